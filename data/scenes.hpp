@@ -1,0 +1,69 @@
+// Scenes for tests and benchmarks, made by rule: the same bits on every machine, because nothing here depends on the
+// standard library's distributions or on the last bit of its sines. z is up; lengths are metres, roughly.
+//
+// The scenes are degenerate on purpose: desks stand on floors and against walls, legs are flush with desk tops,
+// facades line up, posters lie in their walls. The rooms follow Chrysanthou & Slater 1995 (I3D), section 6: "a room, which
+// contained bookcases with two books, and desks with computers on top", with 133, 211, 313 and 745 polygons.
+#pragma once
+
+#include <cstdint>
+#include <shadowcut/scene.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace shadowcut::scenes {
+
+struct SceneData {
+  std::string name;
+  std::vector<std::pair<Mesh, ObjectSettings>> objects;
+  Light light;
+};
+
+// The scene with every object added and its light.
+Scene build(const SceneData& data);
+
+// All polygons of all objects.
+std::size_t polygon_count(const SceneData& data);
+
+// Splitmix64 (Steele, Lea, Flood 2014). Not for cryptography.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  std::uint64_t next();
+  std::uint64_t below(std::uint64_t n) { return next() % n; }
+  double unit();                       // [0, 1), a multiple of 2^-53
+  double in(double lo, double hi);     // rounded to a multiple of 2^-20
+  Vec3 in_cube(double lo, double hi);  // each coordinate as above
+  Vec3 in_ball(double radius);         // each coordinate a multiple of 2^-20
+
+ private:
+  std::uint64_t state_;
+};
+
+double to_grid(double x);  // rounded to a multiple of 2^-20
+
+// Meshes.
+Mesh box(const Vec3& lo, const Vec3& hi);                          // six quads, outward
+Mesh prism(const std::vector<Vec3>& base, const Vec3& along);      // base counter-clockwise seen from outside, below
+Mesh rectangle(const Vec3& corner, const Vec3& u, const Vec3& v);  // front along u x v
+Mesh uv_sphere(const Vec3& centre, double radius, std::uint32_t segments, std::uint32_t rings);  // 2*segments*(rings-1) triangles
+void append(Mesh& mesh, const Mesh& other);                                                      // other's faces, as a further part
+
+// A room of the paper: level 1 to 4 gives 133, 211, 313, 745 polygons. One wall has a doorway, a concave outline. The light hangs in the
+// room.
+SceneData room(int level);
+// A room with chairs, a window (a wall with a hole) and 344 faces toward the light.
+SceneData furnished_room();
+// A tetrahedron replaced by four of half its size at its corners, `depth` times, over a ground face: 4^depth*4 + 1 polygons.
+SceneData tetrahedron(int depth);
+// n*n boxes of six faces on a ground face. The light stands above the streets, outside every box; 100 gives 29 989 faces toward it.
+SceneData city(std::uint32_t n);
+// Spheres of 2*segments*(rings-1) triangles each above a ground face. (100, 64, 33) gives about 200 000 faces toward the light.
+SceneData spheres(std::uint32_t count, std::uint32_t segments, std::uint32_t rings);
+// n triangles in a unit cube, each an open object, some of them crossing, above a ground face.
+SceneData triangles(std::uint32_t n);
+// A twig: hexagonal prisms that grow out of one another (their faces cross), with folded two-sided leaves.
+SceneData branch(int levels);
+
+}  // namespace shadowcut::scenes

@@ -1,0 +1,156 @@
+// Shadows: what the engine makes of a scene and its lights. Every face is cut into convex fragments, each wholly lit or
+// wholly shadowed.
+//
+// A point x of a face is shadowed by a light iff some *other* face that casts has a point strictly between x and the light
+// (contact is not occlusion), or x is on a side turned away from the light.
+//
+// Source: Y. Chrysanthou, M. Slater, "Shadow Volume BSP Trees for Computation of Shadows in Dynamic Scenes", I3D 1995 (CS95).
+// docs/design.md says where the engine departs from it.
+//
+// Thread safety: functions here use up to Options::threads threads of their own; a const result may be read from any thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <shadowcut/scene.hpp>
+
+namespace shadowcut {
+
+enum class Kernel : std::uint8_t {
+  fast,  // double with a derived forward-error bound; what is within the bound of zero is taken as "on"
+};
+
+enum class Form : std::uint8_t {
+  pieces,      // as they lie in the tree
+  merged,      // siblings of one face, one state and one caster reunited (Slater 1992, figure 6)
+  conforming,  // merged, and every corner of a fragment that lies on an edge of another fragment of its face is a corner there too
+};
+
+// Order of insertion; any order gives the same lit regions, at different cost.
+enum class Order : std::uint8_t {
+  solid_angle,  // biggest object first, then its biggest face; objects that move come last
+  as_given,
+  random,  // by Options::seed
+};
+
+struct Options {
+  Kernel kernel = Kernel::fast;
+  Form form = Form::merged;
+  Order order = Order::solid_angle;
+  std::uint64_t seed = 0;
+  unsigned threads = 0;                // 0: one for each processor; the result does not depend on it
+  std::uint32_t facets_per_cell = 64;  // the balanced prefix stops dividing light space at about this many; 0: no prefix
+  std::function<void(double)> progress;  // called now and then, from any thread but one at a time, with the share of the work done, 0 to 1
+};
+
+// Names a place in the tree. It stays the same for as long as the fragment is unchanged.
+struct FragmentId {
+  std::uint32_t cell, piece, place;
+  friend auto operator<=>(const FragmentId&, const FragmentId&) = default;
+};
+
+struct Fragment {
+  FragmentId id;
+  std::uint32_t face;    // index into Scene::faces()
+  std::uint32_t facet;   // index into Scene::facets(); a fragment never spans two
+  std::uint32_t caster;  // lit: none; shadowed: the face that casts, the nearest to the light the tree knows of; none for a side turned away
+  std::uint32_t first_corner;  // into its block's corners
+  std::uint32_t corner_count;
+  bool lit;
+  double area;
+};
+
+// Fragments come in blocks (one for each cell of the balanced prefix, and one for the faces that never enter the tree), so that an
+// update can replace one block and leave the others. The order is the same for any number of threads.
+struct Block {
+  std::vector<Fragment> fragments;
+  // World frame; counter-clockwise seen from the light (for faces turned away: seen from their front). A corner that is a vertex of the scene is that vertex, to the bit; a
+  // corner on a cut is the same numbers on both sides of the cut.
+  std::vector<Vec3> corners;
+
+  std::span<const Vec3> corners_of(const Fragment& f) const { return std::span(corners).subspan(f.first_corner, f.corner_count); }
+};
+
+enum class Facing : std::uint8_t {
+  refused,       // not a usable face; see Scene::issues()
+  away,          // turned away from the light, or seen edge-on: shadowed whole
+  out_of_reach,  // beyond the light's range or outside its cone: shadowed whole
+  ignored,       // its object does not receive: neither lit nor shadowed, no fragments
+  toward,
+};
+
+struct FaceArea {
+  Facing facing = Facing::refused;  // of a face in several facets: toward if any facet is
+  // lit + shadowed = area, to rounding. A face's region is its plane cut by its cone of light; where its corners are
+  // flat only up to rounding, that is the area meant here. The area counts one side, also for open sheets.
+  double area = 0, lit = 0, shadowed = 0;
+};
+
+struct Stats {
+  std::uint64_t faces = 0, facing_faces = 0, facets = 0;  // facets: that entered the tree
+  double facing_area = 0, lit_area = 0, shadowed_area = 0;                     // of facing faces
+  std::uint64_t lit_fragments = 0, shadowed_fragments = 0;                     // of facing faces
+  std::uint64_t cells = 0, nodes = 0, sp_nodes = 0, pp_nodes = 0, pieces = 0;  // nodes: of the cells' trees and of the prefix
+  std::uint64_t crossing_lines = 0;                                            // cuts along which two faces cross
+  std::uint64_t predicates = 0, on = 0;                                        // signs asked for; and those within the bound of zero
+  std::uint64_t depth = 0;                                                     // of the deepest leaf, prefix included
+  std::uint64_t bytes = 0;                                                     // held by the tree and the fragments
+  double build_ms = 0, emit_ms = 0;                                            // steady clock
+};
+
+// The shadows of one light.
+struct Shadows {
+  std::vector<Block> blocks;
+  std::vector<FaceArea> areas;  // by index into Scene::faces()
+  Stats stats;
+};
+
+// The shadows of several lights at once: fragments cut so finely that each is wholly lit or shadowed by every light.
+struct LightSets {
+  struct Fragment {
+    std::uint32_t face, facet;
+    std::uint32_t first_corner, corner_count;
+  };
+  std::vector<Fragment> fragments;
+  std::vector<Vec3> corners;
+  std::size_t words = 1;               // 64-bit words of a light set
+  std::vector<std::uint64_t> lights;   // fragment i is reached by light k iff bit k%64 of lights[i*words + k/64] is set
+
+  std::span<const Vec3> corners_of(const Fragment& f) const { return std::span(corners).subspan(f.first_corner, f.corner_count); }
+  bool reaches(std::size_t fragment, std::size_t light) const { return lights[fragment * words + light / 64] >> (light % 64) & 1; }
+};
+
+// The one-off call. Cost: about n log n for n facets where shadows overlap little, and in proportion to the fragments made otherwise.
+// Throws std::bad_alloc when memory runs out; there is no other failure.
+Shadows cast_shadows(const Scene& scene, const Light& light, const Options& options = {});
+
+// The engine that remembers: one tree for each light of the scene. The scene must outlive it and stay unchanged.
+class Engine {
+ public:
+  Engine(const Scene& scene, Options options = {});
+  ~Engine();
+  Engine(Engine&&) noexcept;
+  Engine& operator=(Engine&&) noexcept;
+
+  // Adds a light's tree: built now, on Options::threads threads. Returns the light's number.
+  std::size_t add_light(const Light& light);
+  std::size_t light_count() const;
+  const Shadows& shadows(std::size_t light) const;  // lives until the engine changes
+
+  // One partition for all lights so far (CS95, section 4: a second light's input is the first one's output).
+  LightSets combined() const;
+
+  // Checks every invariant of every tree. Returns an empty string, or a sentence that says which one does not hold. For tests: it takes many times a build.
+  std::string validate() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace shadowcut

@@ -1,0 +1,126 @@
+// Both sides of a cut name it by the same line, so no geometry has to be searched: the corners that end an edge on a line are gathered by line, sorted
+// along it, and given to every edge on that line that passes over them.
+
+#include "conform.hpp"
+
+#include <algorithm>
+
+#include <tbb/parallel_for.h>
+
+namespace shadowcut {
+namespace {
+
+struct FragmentRef {
+  std::uint32_t face, output, fragment;
+};
+
+struct End {  // a corner at the end of an edge
+  std::uint64_t line;
+  double along;
+  Vec3 x;
+};
+
+struct Insertion {  // behind which corner of which fragment
+  std::uint32_t corner;
+  Vec3 x;
+};
+
+// The face's edges' ends, sorted by line and along it.
+std::vector<End> ends_of(std::span<const FragmentRef> face, const std::vector<CellOutput>& outputs) {
+  std::vector<End> ends;
+  for (const FragmentRef& ref : face) {
+    const CellOutput& o = outputs[ref.output];
+    const Fragment& f = o.block.fragments[ref.fragment];
+    for (std::uint32_t i = 0; i < f.corner_count; ++i) {
+      const std::uint64_t line = o.edge_lines[f.first_corner + i];
+      ends.push_back({line, 0, o.block.corners[f.first_corner + i]});
+      ends.push_back({line, 0, o.block.corners[f.first_corner + (i + 1) % f.corner_count]});
+    }
+  }
+  std::stable_sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.line < b.line; });
+  for (auto begin = ends.begin(); begin != ends.end();) {
+    const auto end = std::find_if(begin, ends.end(), [&](const End& e) { return e.line != begin->line; });
+    Eigen::AlignedBox3d box;
+    for (auto e = begin; e != end; ++e) box.extend(e->x);
+    Eigen::Index axis;
+    box.sizes().maxCoeff(&axis);
+    for (auto e = begin; e != end; ++e) e->along = e->x[axis];
+    std::stable_sort(begin, end, [](const End& a, const End& b) { return a.along < b.along; });
+    begin = end;
+  }
+  return ends;
+}
+
+// The corners strictly between the ends of the edge a -> b, in its direction.
+void between(const std::vector<End>& ends, std::uint64_t line, const Vec3& a, const Vec3& b, std::vector<Vec3>& out) {
+  out.clear();
+  auto first = std::lower_bound(ends.begin(), ends.end(), line, [](const End& e, std::uint64_t l) { return e.line < l; });
+  const auto last = std::upper_bound(first, ends.end(), line, [](std::uint64_t l, const End& e) { return l < e.line; });
+  double at_a = 0, at_b = 0;
+  for (auto e = first; e != last; ++e) {
+    if (e->x == a) at_a = e->along;
+    if (e->x == b) at_b = e->along;
+  }
+  const double low = std::min(at_a, at_b), high = std::max(at_a, at_b);
+  first = std::lower_bound(first, last, low, [](const End& e, double t) { return e.along < t; });
+  for (; first != last && first->along <= high; ++first) {
+    if (first->along == low || first->along == high || first->x == a || first->x == b) continue;
+    if (out.empty() || out.back() != first->x) out.push_back(first->x);
+  }
+  if (at_a > at_b) std::reverse(out.begin(), out.end());
+}
+
+}  // namespace
+
+void make_conforming(std::vector<CellOutput>& outputs) {
+  std::vector<FragmentRef> refs;
+  for (std::uint32_t o = 0; o < outputs.size(); ++o) {
+    const auto& fragments = outputs[o].block.fragments;
+    for (std::uint32_t i = 0; i < fragments.size(); ++i) refs.push_back({fragments[i].face, o, i});
+  }
+  std::stable_sort(refs.begin(), refs.end(), [](const FragmentRef& a, const FragmentRef& b) { return a.face < b.face; });
+  std::vector<std::span<const FragmentRef>> faces;
+  for (std::size_t begin = 0; begin < refs.size();) {
+    std::size_t end = begin;
+    while (end < refs.size() && refs[end].face == refs[begin].face) ++end;
+    if (end - begin > 1) faces.emplace_back(refs.data() + begin, end - begin);
+    begin = end;
+  }
+
+  // By output and fragment: what to add. A fragment belongs to one face, so threads never meet.
+  std::vector<std::vector<std::vector<Insertion>>> insertions(outputs.size());
+  for (std::size_t o = 0; o < outputs.size(); ++o) insertions[o].resize(outputs[o].block.fragments.size());
+  tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t i) {
+    const std::vector<End> ends = ends_of(faces[i], outputs);
+    std::vector<Vec3> found;
+    for (const FragmentRef& ref : faces[i]) {
+      const CellOutput& o = outputs[ref.output];
+      const Fragment& f = o.block.fragments[ref.fragment];
+      for (std::uint32_t k = 0; k < f.corner_count; ++k) {
+        const std::uint32_t here = f.first_corner + k, next = f.first_corner + (k + 1) % f.corner_count;
+        between(ends, o.edge_lines[here], o.block.corners[here], o.block.corners[next], found);
+        for (const Vec3& x : found) insertions[ref.output][ref.fragment].push_back({k, x});
+      }
+    }
+  });
+
+  tbb::parallel_for(std::size_t{0}, outputs.size(), [&](std::size_t o) {
+    Block& block = outputs[o].block;
+    std::vector<Vec3> corners;
+    corners.reserve(block.corners.size());
+    for (std::size_t i = 0; i < block.fragments.size(); ++i) {
+      Fragment& f = block.fragments[i];
+      const auto first = static_cast<std::uint32_t>(corners.size());
+      auto add = insertions[o][i].begin();
+      for (std::uint32_t k = 0; k < f.corner_count; ++k) {
+        corners.push_back(block.corners[f.first_corner + k]);
+        for (; add != insertions[o][i].end() && add->corner == k; ++add) corners.push_back(add->x);
+      }
+      f.first_corner = first;
+      f.corner_count = static_cast<std::uint32_t>(corners.size()) - first;
+    }
+    block.corners = std::move(corners);
+  });
+}
+
+}  // namespace shadowcut

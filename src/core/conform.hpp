@@ -1,0 +1,13 @@
+// The conforming form: no T-junctions inside a face.
+#pragma once
+
+#include <vector>
+
+#include "emit.hpp"
+
+namespace shadowcut {
+
+// Adds to every fragment the corners of other fragments of its face that lie on its edges. Fragments stay where they are in their blocks.
+void make_conforming(std::vector<CellOutput>& outputs);
+
+}  // namespace shadowcut

@@ -1,0 +1,80 @@
+// Light space: the three numbers of a ray from the light, in which everything the tree asks is linear.
+//
+// A light is one projective map of space, (r, h) = T (x - C, 1), that takes the light to infinity along h:
+//   - points on one ray from the light have r in one direction;
+//   - a face's plane is a covector q with q.r = h on the plane, so along a ray r the point with the greater q.r is nearer to the light;
+//   - a plane through the light is a covector n: n.r = 0.
+// Three frames differ only in T:
+//   near point light    C = the light, r = x - C, h = 1                         (q.r is 1 / distance along the ray)
+//   far point light     C = the scene's centre, r sheared and scaled to the scene's size: the light's distance cancels by algebra, not in digits
+//   directional light   the far frame's limit (1 / distance to the light = 0)
+//
+// Numbers of the fast kernel. u = 2^-53. Rays of vertices and normals of lines have length 1 (within rounding), and carry an absolute bound
+// on the distance from the true unit vector (up to a positive factor). A corner cut from two lines is their cross product as it is:
+// length <= 1, error <= err1 + err2 + 3u. So a sign test n.r is decided when |n.r| > err(n) + err(r) + 4u. (|r| <= 1; three products and two sums
+// lose at most 3u |n| |r|; the fourth u pays for second-order terms and for the unit lengths' own rounding.)
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <shadowcut/scene.hpp>
+
+namespace shadowcut {
+
+inline constexpr double unit_roundoff = 0x1p-53;
+inline constexpr double sign_slack = 4 * unit_roundoff;    // of one dot product of unit vectors
+inline constexpr double corner_slack = 3 * unit_roundoff;  // of one cross product of unit vectors
+
+struct Line {  // a plane through the light; as seen from the light, a line
+  double n[3];
+  float error;
+};
+
+struct PlaneRay {  // a face's plane in light space
+  double q[3];
+  float error;  // absolute, of q, with the plane's own flatness: nearer together than the input is flat counts as touching
+};
+
+struct VertexRay {
+  double r[3];
+  float error;
+};
+
+// How the front of a plane stands to the light.
+enum class Turned : std::uint8_t { toward, away, edge_on };
+
+class LightSpace {
+ public:
+  // `box` bounds the scene; it only conditions the numbers, nothing breaks outside it.
+  LightSpace(const Light& light, const Eigen::AlignedBox3d& box);
+
+  VertexRay ray(const Vec3& x) const;
+  Line line(const Vec3& a, const Vec3& b) const;  // through the edge a -> b: positive on the left as the light sees it, or its mirror image
+  PlaneRay plane(const Plane& p) const;           // only for planes not seen edge-on
+  Turned turned(const Plane& p) const;
+  Vec3 back(const double r[3], const double q[3]) const;  // the point where the ray r meets the plane q
+
+  // +1 when a loop that runs counter-clockwise seen from the light does so in r too (its lines positive inside), else -1.
+  int handedness() const { return handedness_; }
+  bool far() const { return far_; }
+
+ private:
+  struct Raw {
+    Vec3 r;
+    double error;  // absolute
+  };
+  Raw raw_ray(const Vec3& x) const;
+  double awayness(const Plane& p, double& error) const;
+
+  bool far_;
+  Vec3 center_;
+  int axis_[3] = {0, 1, 2};             // far: which world axes play x, y, z
+  double shear_x_ = 0, shear_y_ = 0;    // far: d_x / d_z, d_y / d_z
+  double inverse_depth_ = 0;            // far: 1 / d_z; directional: 0
+  double sign_ = 1;                     // far: of d_z
+  double scale_ = 1, inverse_scale_ = 1;  // far: the scene's radius, a power of two
+  int handedness_ = 1;
+};
+
+}  // namespace shadowcut

@@ -1,0 +1,79 @@
+// The balanced prefix: a k-d tree of plain dividing planes through the light, by median splits of the facets' ray directions. Its cells are small trees of
+// their own, built by one thread each.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cone.hpp"
+
+namespace shadowcut {
+
+class Prefix {
+ public:
+  // One unit ray for each facet. `far`: the rays lie in a bundle around the third axis (LightSpace::far), otherwise anywhere.
+  // Appends its lines to `lines`.
+  Prefix(std::vector<Vec3> rays, bool far, std::uint32_t facets_per_cell, std::vector<Line>& lines);
+
+  struct Branch {  // a node, or a cell
+    std::uint32_t bits;
+    static Branch cell(std::uint32_t i) { return {i << 1 | 1}; }
+    static Branch node(std::uint32_t i) { return {i << 1}; }
+    bool is_cell() const { return bits & 1; }
+    std::uint32_t index() const { return bits >> 1; }
+  };
+  struct Node {
+    std::uint32_t line;
+    Branch side[2];  // positive, negative
+  };
+
+  std::size_t cell_count() const { return cells_; }
+  std::span<const Node> nodes() const { return nodes_; }
+  Branch root() const { return root_; }
+  std::uint32_t depth_of(std::uint32_t cell) const { return depth_[cell]; }
+
+  // Filters a cone into the cells it meets; deliver(cell, cone) takes each part.
+  template <class Lines, class Deliver>
+  void filter(Cone* cone, const Lines& lines, ConePool& pool, Signs& signs, std::vector<Cone*>& pending, Deliver deliver) const {
+    cone->at = root_.bits;
+    const std::size_t bottom = pending.size();
+    pending.push_back(cone);
+    while (pending.size() > bottom) {
+      cone = pending.back();
+      pending.pop_back();
+      Branch here{cone->at};
+      while (!here.is_cell()) {
+        const Node& node = nodes_[here.index()];
+        const Line& line = lines(node.line);
+        const double bound = static_cast<double>(line.error) + static_cast<double>(cone->error) + sign_slack;
+        const Sides3 sides = classify(*cone, line.n, bound);
+        if (sides.positive && sides.negative) {
+          signs_of(*cone, line.n, bound, signs);
+          Cone *positive, *negative;
+          split(*cone, signs, line, node.line, true, lines, pool, positive, negative);
+          pool.give_back(cone);
+          negative->at = node.side[1].bits;
+          pending.push_back(negative);
+          cone = positive;
+          here = node.side[0];
+        } else {
+          if (sides.on) {
+            signs_of(*cone, line.n, bound, signs);
+            mark_on_edges(*cone, signs);
+          }
+          here = node.side[sides.negative ? 1 : 0];
+        }
+      }
+      deliver(here.index(), cone);
+    }
+  }
+
+ private:
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> depth_;  // by cell
+  Branch root_ = Branch::cell(0);
+  std::size_t cells_ = 0;
+};
+
+}  // namespace shadowcut

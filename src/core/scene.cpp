@@ -1,0 +1,397 @@
+// The door: everything that enters a scene is welded, checked and cut into convex facets here, once.
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <numeric>
+
+#include <Eigen/LU>
+#include <shadowcut/scene.hpp>
+
+#include "convex.hpp"
+#include "id_table.hpp"
+
+namespace shadowcut {
+
+void Mesh::add_face(std::span<const std::uint32_t> outer) {
+  corners_.insert(corners_.end(), outer.begin(), outer.end());
+  loop_ends_.push_back(corners_.size());
+  face_ends_.push_back(loop_ends_.size());
+}
+
+void Mesh::add_hole(std::span<const std::uint32_t> loop) {
+  if (face_ends_.empty()) throw Error("a hole needs a face");
+  corners_.insert(corners_.end(), loop.begin(), loop.end());
+  loop_ends_.push_back(corners_.size());
+  face_ends_.back() = loop_ends_.size();
+}
+
+std::size_t Mesh::loop_count(std::size_t face) const { return face_ends_[face] - (face ? face_ends_[face - 1] : 0); }
+
+std::span<const std::uint32_t> Mesh::loop(std::size_t face, std::size_t k) const {
+  const std::size_t l = (face ? face_ends_[face - 1] : 0) + k;
+  const std::size_t begin = l ? loop_ends_[l - 1] : 0;
+  return std::span(corners_).subspan(begin, loop_ends_[l] - begin);
+}
+
+const char* describe(Reason reason) {
+  switch (reason) {
+    case Reason::non_finite: return "a coordinate is not finite";
+    case Reason::index_out_of_range: return "a corner's index is out of range";
+    case Reason::too_few_corners: return "fewer than three distinct corners";
+    case Reason::zero_area: return "zero area";
+    case Reason::self_intersecting: return "the outline intersects itself";
+    case Reason::duplicate: return "duplicate of an earlier face";
+    case Reason::repeated_corner: return "repeated corner removed";
+    case Reason::not_flat: return "not flat, triangulated";
+  }
+  return "";
+}
+
+bool refuses(Reason reason) { return reason != Reason::repeated_corner && reason != Reason::not_flat; }
+
+namespace {
+
+constexpr std::size_t max_edges = std::size_t{1} << 29;  // an edge's line id leaves room for its flags in 32 bits
+constexpr double unit_roundoff = std::numeric_limits<double>::epsilon() / 2;
+
+std::uint64_t hash_position(const Vec3& v) {
+  std::uint64_t bits[3];
+  std::memcpy(bits, v.data(), sizeof bits);
+  return mix(bits[0] + mix(bits[1] + mix(bits[2])));
+}
+
+// The plane through a loop's first corner with Newell's normal. The arithmetic is on differences from that corner, scaled to size one, so
+// that neither a far-away face nor a huge or tiny one loses digits.
+struct Fit {
+  Plane plane;
+  double area = 0;      // of the whole figure, holes taken off
+  double diameter = 0;  // of its bounding box
+  bool zero = true;     // no area that rounding could not have made
+};
+
+class Door {
+ public:
+  Door(const Mesh& mesh, const Pose& pose, double tolerance) : mesh_(mesh), tolerance_(tolerance) {
+    mirrored_ = pose.linear().determinant() < 0;
+    weld(pose);
+  }
+
+  std::vector<Vec3> vertices;  // welded, world frame
+  std::vector<Plane> planes;
+  std::vector<Facet> facets;    // plane and corners relative to this object
+  std::vector<Corner> corners;  // edge relative to this object
+  std::vector<Edge> edges;
+  std::vector<Face> faces;
+  std::vector<Issue> issues;
+  bool closed = true;
+  double signed_volume = 0;
+
+  void run() {
+    IdTable edge_ids(mesh_.face_count() * 2);
+    IdTable known(mesh_.face_count());
+    std::vector<std::uint64_t> hashes;                   // by kept outline
+    std::vector<std::uint32_t> outline_begin{0}, cycle;  // kept outlines, each turned to begin with its smallest corner
+    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+      Face face{0, f, static_cast<std::uint32_t>(facets.size()), 0, 0.0};
+      if (take_loops(f)) {
+        const std::size_t begin = cycle.size();
+        for (const Loop& l : loops_) {
+          const auto smallest = std::min_element(l.begin(), l.end()) - l.begin();
+          for (std::size_t i = 0; i < l.size(); ++i) cycle.push_back(l[(static_cast<std::size_t>(smallest) + i) % l.size()]);
+        }
+        std::uint64_t hash = loops_.size();
+        for (std::size_t i = begin; i < cycle.size(); ++i) hash = mix(hash + cycle[i]);
+        const auto next = static_cast<std::uint32_t>(hashes.size());
+        const auto same = [&](std::uint32_t id) {
+          return std::equal(cycle.begin() + outline_begin[id], cycle.begin() + outline_begin[id + 1], cycle.begin() + static_cast<std::ptrdiff_t>(begin),
+                            cycle.end());
+        };
+        if (known.find_or_add(hash, next, same, [&](std::uint32_t id) { return hashes[id]; }) != next) {
+          report(f, Reason::duplicate);
+          cycle.resize(begin);
+        } else {
+          hashes.push_back(hash);
+          outline_begin.push_back(static_cast<std::uint32_t>(cycle.size()));
+          cut(f, face, edge_ids);
+        }
+      }
+      faces.push_back(face);
+      if (face.facet_count) {
+        note_connectivity(face, edge_ids);
+      } else {
+        outline_face_.push_back(none);
+      }
+    }
+    decide_sides();
+  }
+
+ private:
+  void weld(const Pose& pose) {
+    const std::size_t n = mesh_.vertices.size();
+    vertex_of_.resize(n);
+    IdTable table(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      Vec3 v = pose * mesh_.vertices[i];
+      v = v.unaryExpr([](double c) { return c == 0 ? 0.0 : c; });  // one zero
+      const auto next = static_cast<std::uint32_t>(vertices.size());
+      if (!v.allFinite()) {
+        vertex_of_[i] = none;
+        continue;
+      }
+      const auto id = table.find_or_add(
+          hash_position(v), next, [&](std::uint32_t j) { return vertices[j] == v; }, [&](std::uint32_t j) { return hash_position(vertices[j]); });
+      if (id == next) vertices.push_back(v);
+      vertex_of_[i] = id;
+    }
+  }
+
+  void report(std::uint32_t face, Reason reason, std::string detail = {}) { issues.push_back({0, face, reason, std::move(detail)}); }
+
+  // Fills loops_ with the face's welded loops. False: refused, and said so.
+  bool take_loops(std::uint32_t f) {
+    loops_.resize(mesh_.loop_count(f));
+    bool repeated = false;
+    for (std::size_t k = 0; k < loops_.size(); ++k) {
+      Loop& out = loops_[k];
+      out.clear();
+      for (const std::uint32_t i : mesh_.loop(f, k)) {
+        if (i >= vertex_of_.size()) return report(f, Reason::index_out_of_range, "index " + std::to_string(i)), false;
+        if (vertex_of_[i] == none) return report(f, Reason::non_finite), false;
+        if (!out.empty() && out.back() == vertex_of_[i]) {
+          repeated = true;
+        } else {
+          out.push_back(vertex_of_[i]);
+        }
+      }
+      while (out.size() > 1 && out.front() == out.back()) out.pop_back(), repeated = true;
+      Loop distinct = out;
+      std::sort(distinct.begin(), distinct.end());
+      if (std::unique(distinct.begin(), distinct.end()) - distinct.begin() < 3) return report(f, Reason::too_few_corners), false;
+      if (mirrored_) std::reverse(out.begin(), out.end());
+    }
+    if (loops_.empty()) return report(f, Reason::too_few_corners), false;
+    if (repeated) report(f, Reason::repeated_corner);
+    return true;
+  }
+
+  Fit fit(std::span<const Loop> loops) const {
+    Fit out;
+    const Vec3 origin = vertices[loops[0][0]];
+    Eigen::AlignedBox3d box;
+    for (const std::uint32_t v : loops[0]) box.extend(vertices[v]);
+    const double size = box.sizes().maxCoeff();
+    out.diameter = box.sizes().stableNorm();
+    if (!std::isfinite(size) || size == 0) return out;
+    Vec3 sum = Vec3::Zero();
+    double magnitude = 0;
+    for (std::size_t k = 0; k < loops.size(); ++k) {
+      Vec3 n = Vec3::Zero();
+      const Loop& l = loops[k];
+      const Vec3 first = (vertices[l[0]] - origin) / size;
+      for (std::size_t i = 1; i + 1 < l.size(); ++i) {
+        const Vec3 u = (vertices[l[i]] - origin) / size - first, v = (vertices[l[i + 1]] - origin) / size - first;
+        n += u.cross(v);
+        magnitude += u.norm() * v.norm();
+      }
+      // A hole takes its area off, whichever way it runs.
+      if (k > 0 && n.dot(sum) > 0) n = -n;
+      sum += n;
+    }
+    const double length = sum.norm();
+    // Every term of a cross product carries at most five roundings of its own and one for each addition behind it.
+    out.zero = length <= (8.0 + static_cast<double>(loops[0].size())) * unit_roundoff * magnitude;
+    if (out.zero) return out;
+    out.plane.normal = sum / length;
+    out.plane.point = origin;
+    out.plane.flatness = 0;
+    for (const Loop& l : loops) {
+      for (const std::uint32_t v : l) out.plane.flatness = std::max(out.plane.flatness, std::abs(out.plane.normal.dot(vertices[v] - origin)));
+    }
+    out.area = length / 2 * size * size;
+    if (out.area == 0) out.zero = true;
+    return out;
+  }
+
+  // Cuts the figure in loops_ into facets of `face`.
+  void cut(std::uint32_t f, Face& face, IdTable& edge_ids) {
+    const Fit whole = fit(loops_);
+    if (!std::isfinite(whole.diameter) || !std::isfinite(whole.area)) return report(f, Reason::non_finite, "its extent is not representable");
+    if (whole.zero) return report(f, Reason::zero_area);
+
+    // Straight down the normal's largest component: those coordinates are the input's own, so every turn below is exact.
+    Eigen::Index drop;
+    whole.plane.normal.cwiseAbs().maxCoeff(&drop);
+    const Eigen::Index x = (drop + 1) % 3, y = (drop + 2) % 3;
+    const double handed = whole.plane.normal[drop] > 0 ? 1 : -1;
+    points_.clear();
+    std::vector<Loop> flat;
+    std::vector<std::uint32_t> back;
+    for (const Loop& l : loops_) {
+      flat.emplace_back();
+      for (const std::uint32_t v : l) {
+        flat.back().push_back(static_cast<std::uint32_t>(points_.size()));
+        points_.emplace_back(vertices[v][x] * handed, vertices[v][y]);
+        back.push_back(v);
+      }
+    }
+    const bool is_flat = whole.plane.flatness <= tolerance_ * whole.diameter;
+    std::vector<Loop> parts;
+    if (flat.size() == 1 && is_convex(points_, flat[0]) && (is_flat || flat[0].size() == 3)) {
+      parts = std::move(flat);
+    } else if (convex_parts(points_, std::move(flat), is_flat, parts) != ConvexResult::ok) {
+      return report(f, Reason::self_intersecting);
+    }
+    if (!is_flat && whole.plane.flatness > 0 && parts.size() > 1) {
+      char detail[80];
+      std::snprintf(detail, sizeof detail, "a corner lies %.3g off the plane, %.3g of the diameter", whole.plane.flatness, whole.plane.flatness / whole.diameter);
+      report(f, Reason::not_flat, detail);
+    }
+    if (is_flat) planes.push_back(whole.plane);
+    for (Loop& part : parts) {
+      for (std::uint32_t& i : part) i = back[i];
+      const Fit own = fit(std::span(&part, 1));
+      if (own.zero) continue;  // a sliver that only rounding sees: it has no area to be lit
+      if (!is_flat) planes.push_back(own.plane);
+      facets.push_back({0, static_cast<std::uint32_t>(planes.size() - 1), static_cast<std::uint32_t>(corners.size()), static_cast<std::uint32_t>(part.size())});
+      ++face.facet_count;
+      face.area += own.area;
+      for (std::size_t i = 0; i < part.size(); ++i) corners.push_back({part[i], edge_id(edge_ids, part[i], part[(i + 1) % part.size()])});
+    }
+    if (face.facet_count == 0) report(f, Reason::zero_area);
+  }
+
+  std::uint32_t edge_id(IdTable& table, std::uint32_t from, std::uint32_t to) {
+    const Edge e{std::min(from, to), std::max(from, to)};
+    const auto hash = [](const Edge& k) { return mix((std::uint64_t{k.a} << 32) | k.b); };
+    const auto next = static_cast<std::uint32_t>(edges.size());
+    const auto id = table.find_or_add(
+        hash(e), next, [&](std::uint32_t i) { return edges[i].a == e.a && edges[i].b == e.b; }, [&](std::uint32_t i) { return hash(edges[i]); });
+    if (id == next) edges.push_back(e);
+    return (id << 1) | (from > to ? 1u : 0u);
+  }
+
+  // The outline, not the facets, says what a face is joined to: cutting may have left out straight corners.
+  void note_connectivity(const Face& face, IdTable& edge_ids) {
+    outline_face_.push_back(static_cast<std::uint32_t>(outline_.size()));
+    for (const Loop& l : loops_) {
+      for (std::size_t i = 0; i < l.size(); ++i) outline_.push_back(edge_id(edge_ids, l[i], l[(i + 1) % l.size()]));
+    }
+    for (std::uint32_t k = 0; k < face.facet_count; ++k) {
+      const Facet& facet = facets[face.first_facet + k];
+      const Vec3 a = vertices[corners[facet.first_corner].vertex] - vertices[0];
+      double sixfold = 0;
+      for (std::uint32_t i = 1; i + 1 < facet.corner_count; ++i) {
+        const Vec3 b = vertices[corners[facet.first_corner + i].vertex] - vertices[0], c = vertices[corners[facet.first_corner + i + 1].vertex] - vertices[0];
+        sixfold += a.dot(b.cross(c));
+      }
+      volume_of_.resize(outline_face_.size(), 0.0);
+      volume_of_.back() += sixfold / 6;
+    }
+  }
+
+  void decide_sides() {
+    volume_of_.resize(outline_face_.size(), 0.0);
+    std::vector<std::uint32_t> forward(edges.size(), none), backward(edges.size(), none);
+    std::vector<std::uint32_t> part(faces.size());
+    std::iota(part.begin(), part.end(), 0u);
+    const auto find = [&](std::uint32_t i) {
+      while (part[i] != i) i = part[i] = part[part[i]];
+      return i;
+    };
+    bool any = false;
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+      if (outline_face_[f] == none) continue;
+      any = true;
+      std::size_t end = outline_.size();
+      for (std::uint32_t g = f + 1; g < faces.size(); ++g) {
+        if (outline_face_[g] != none) {
+          end = outline_face_[g];
+          break;
+        }
+      }
+      for (std::size_t i = outline_face_[f]; i < end; ++i) {
+        auto& side = (outline_[i] & 1 ? backward : forward)[outline_[i] >> 1];
+        if (side != none) closed = false;
+        side = f;
+      }
+    }
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      if ((forward[e] == none) != (backward[e] == none)) closed = false;
+      if (forward[e] != none && backward[e] != none) part[find(forward[e])] = find(backward[e]);
+    }
+    std::vector<double> volume(faces.size(), 0.0);
+    for (std::uint32_t f = 0; f < faces.size(); ++f) volume[find(f)] += volume_of_[f], signed_volume += volume_of_[f];
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+      if (outline_face_[f] != none && find(f) == f && !(volume[f] > 0)) closed = false;
+    }
+    closed = closed && any;
+  }
+
+  const Mesh& mesh_;
+  double tolerance_;
+  bool mirrored_;
+  std::vector<std::uint32_t> vertex_of_;  // of the mesh -> welded; none: not finite
+  std::vector<Loop> loops_;               // of the face at hand
+  std::vector<Vec2> points_;              // of the face at hand, flattened
+  std::vector<std::uint32_t> outline_, outline_face_;  // directed edges of the kept outlines; where each face's begin
+  std::vector<double> volume_of_;         // by face: signed volume of the cone from the object's first vertex
+};
+
+}  // namespace
+
+std::uint32_t Scene::add(const Mesh& mesh, const ObjectSettings& settings) {
+  if (!settings.pose.matrix().allFinite() || settings.pose.linear().determinant() == 0) {
+    throw Error("object '" + settings.name + "': its pose is not finite and invertible");
+  }
+  Door door(mesh, settings.pose, flatness_tolerance);
+  door.run();
+  if (edges_.size() + door.edges.size() > max_edges || corners_.size() + door.corners.size() >= none) {
+    throw Error("object '" + settings.name + "': the scene is larger than 2^29 edges");
+  }
+
+  const auto object = static_cast<std::uint32_t>(objects_.size());
+  const auto count = [](const auto& v) { return static_cast<std::uint32_t>(v.size()); };
+  const std::uint32_t vertex0 = count(vertices_), edge0 = count(edges_), plane0 = count(planes_), facet0 = count(facets_), face0 = count(faces_),
+                      corner0 = count(corners_);
+  objects_.push_back({settings.name, settings.sides, settings.casts, settings.receives, settings.moves, face0, count(door.faces), vertex0, count(door.vertices),
+                      door.signed_volume});
+  if (settings.sides == Sides::automatic) objects_.back().sides = door.closed ? Sides::closed : Sides::open;
+  vertices_.insert(vertices_.end(), door.vertices.begin(), door.vertices.end());
+  planes_.insert(planes_.end(), door.planes.begin(), door.planes.end());
+  for (const Edge& e : door.edges) edges_.push_back({e.a + vertex0, e.b + vertex0});
+  for (const Corner& c : door.corners) corners_.push_back({c.vertex + vertex0, c.edge + (edge0 << 1)});
+  for (Face f : door.faces) {
+    f.object = object;
+    for (std::uint32_t k = 0; k < f.facet_count; ++k) {
+      Facet t = door.facets[f.first_facet + k];
+      t.face = count(faces_);
+      t.plane += plane0;
+      t.first_corner += corner0;
+      facets_.push_back(t);
+    }
+    f.first_facet += facet0;
+    faces_.push_back(f);
+  }
+  for (Issue i : door.issues) {
+    i.object = object;
+    issues_.push_back(std::move(i));
+  }
+  return object;
+}
+
+std::uint32_t Scene::add(const Light& light) {
+  const std::string who = light.name.empty() ? "light " + std::to_string(lights_.size()) : "light '" + light.name + "'";
+  if (!light.at.allFinite()) throw Error(who + ": a coordinate is not finite");
+  if (light.kind == Light::Kind::directional && light.at.isZero(0)) throw Error(who + ": its direction is zero");
+  if (!(light.range > 0)) throw Error(who + ": its range is not positive");
+  if (light.spot) {
+    if (!light.spot->axis.allFinite() || light.spot->axis.isZero(0)) throw Error(who + ": its spot axis is zero or not finite");
+    if (!(light.spot->half_angle > 0) || light.spot->half_angle > std::numbers::pi) throw Error(who + ": its spot angle is not in (0, pi]");
+  }
+  lights_.push_back(light);
+  return static_cast<std::uint32_t>(lights_.size() - 1);
+}
+
+}  // namespace shadowcut

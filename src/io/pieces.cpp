@@ -1,0 +1,100 @@
+// Fragments in the writers' shape; see pieces.hpp.
+#include "pieces.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <map>
+
+namespace shadowcut::io {
+
+namespace {
+
+void take_one_light(const Shadows& shadows, Pieces& out) {
+  out.sets = {{{0}, "lit"}, {{}, "shadowed"}};
+  for (const Block& block : shadows.blocks) {
+    const std::size_t base = out.corners.size();
+    out.corners.insert(out.corners.end(), block.corners.begin(), block.corners.end());
+    for (const Fragment& f : block.fragments) out.pieces.push_back({f.face, f.facet, f.lit ? 0u : 1u, f.corner_count, base + f.first_corner});
+  }
+}
+
+std::string name_of(const std::vector<std::uint32_t>& lights) {
+  if (lights.empty()) return "shadowed";
+  std::string name = "lit by ";
+  for (std::size_t i = 0; i < lights.size(); ++i) name += (i == 0 ? "" : "+") + std::to_string(lights[i]);
+  return name;
+}
+
+void take_several(LightSets&& all, Pieces& out) {
+  std::map<std::vector<std::uint32_t>, std::uint32_t> sets;
+  std::vector<std::uint32_t> lights;
+  const auto lights_of = [&](std::size_t fragment) -> const std::vector<std::uint32_t>& {
+    lights.clear();
+    for (std::uint32_t k = 0; k < out.light_count; ++k)
+      if (all.reaches(fragment, k)) lights.push_back(k);
+    return lights;
+  };
+  for (std::size_t i = 0; i < all.fragments.size(); ++i) sets.try_emplace(lights_of(i), 0);
+  for (auto& [key, number] : sets) {
+    number = static_cast<std::uint32_t>(out.sets.size());
+    out.sets.push_back({key, name_of(key)});
+  }
+  for (std::size_t i = 0; i < all.fragments.size(); ++i) {
+    const LightSets::Fragment& f = all.fragments[i];
+    out.pieces.push_back({f.face, f.facet, sets.at(lights_of(i)), f.corner_count, f.first_corner});
+  }
+  out.corners = std::move(all.corners);
+}
+
+std::uint64_t hash_of(const Vec3& v) {
+  std::uint64_t hash = 0;
+  for (const double x : v) hash = (std::rotl(hash, 27) ^ std::bit_cast<std::uint64_t>(x)) * 0x9E3779B97F4A7C15u;
+  return hash ^ hash >> 29;
+}
+
+bool same_bits(const Vec3& a, const Vec3& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) { return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y); });
+}
+
+}  // namespace
+
+Pieces pieces_of(const Scene& scene, const Engine& engine) {
+  Pieces out;
+  out.light_count = engine.light_count();
+  if (out.light_count == 0) throw Error("no light");
+  if (out.light_count == 1) take_one_light(engine.shadows(0), out);
+  else take_several(engine.combined(), out);
+  std::stable_sort(out.pieces.begin(), out.pieces.end(), [&](const Piece& a, const Piece& b) {
+    const std::uint32_t object_a = scene.faces()[a.face].object, object_b = scene.faces()[b.face].object;
+    return object_a != object_b ? object_a < object_b : a.set < b.set;
+  });
+  return out;
+}
+
+std::uint32_t VertexPool::add(const Vec3& position) {
+  if (slots_.size() < 2 * (positions_.size() + 1)) grow();
+  std::uint32_t& slot = slots_[slot_of(position)];
+  if (slot == none) {
+    slot = static_cast<std::uint32_t>(positions_.size());
+    positions_.push_back(position);
+  }
+  return slot;
+}
+
+void VertexPool::clear() {
+  positions_.clear();
+  slots_.clear();
+}
+
+void VertexPool::grow() {
+  slots_.assign(std::max<std::size_t>(16, 2 * slots_.size()), none);
+  for (std::uint32_t i = 0; i < positions_.size(); ++i) slots_[slot_of(positions_[i])] = i;
+}
+
+std::size_t VertexPool::slot_of(const Vec3& position) const {
+  std::size_t slot = hash_of(position) & (slots_.size() - 1);
+  while (slots_[slot] != none && !same_bits(positions_[slots_[slot]], position)) slot = (slot + 1) & (slots_.size() - 1);
+  return slot;
+}
+
+}  // namespace shadowcut::io

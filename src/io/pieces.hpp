@@ -1,0 +1,53 @@
+// The fragments of an engine in the one shape all writers take: of one light or of several, sorted by object, each with its light set.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <shadowcut/shadows.hpp>
+
+namespace shadowcut::io {
+
+struct LightSet {
+  std::vector<std::uint32_t> lights;  // that reach the piece, ascending
+  std::string name;                   // "lit", "shadowed"; with several lights "lit by 0+2"
+};
+
+struct Piece {
+  std::uint32_t face, facet;
+  std::uint32_t set;  // into Pieces::sets
+  std::uint32_t corner_count;
+  std::size_t first_corner;
+};
+
+struct Pieces {
+  std::vector<Piece> pieces;  // by object, then by set; otherwise in the engine's order
+  std::vector<Vec3> corners;
+  std::vector<LightSet> sets;
+  std::size_t light_count = 0;
+
+  std::span<const Vec3> corners_of(const Piece& p) const { return std::span(corners).subspan(p.first_corner, p.corner_count); }
+  // The share of the lights that reach the piece, 0 to 1.
+  double brightness(const LightSet& set) const { return static_cast<double>(set.lights.size()) / static_cast<double>(light_count); }
+};
+
+Pieces pieces_of(const Scene& scene, const Engine& engine);
+
+// Distinct positions, numbered from 0 in the order of their first appearance.
+class VertexPool {
+ public:
+  std::uint32_t add(const Vec3& position);
+  void clear();
+  const std::vector<Vec3>& positions() const { return positions_; }
+
+ private:
+  void grow();
+  std::size_t slot_of(const Vec3& position) const;  // the slot that holds it, or the empty one where it belongs
+
+  std::vector<Vec3> positions_;
+  std::vector<std::uint32_t> slots_;  // a power of two; none: empty
+};
+
+}  // namespace shadowcut::io
