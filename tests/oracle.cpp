@@ -86,7 +86,12 @@ void cut(const Flat& in, const K::Point_2& a, const K::Point_2& b, Flat& left, F
 std::vector<Flat> without(const std::vector<Flat>& parts, const Flat& hole) {
   std::vector<Flat> out, fresh;
   Flat rest, inside, outside;
+  const CGAL::Bbox_2 box = CGAL::bbox_2(hole.begin(), hole.end());  // rounded outward
   for (const Flat& part : parts) {
+    if (!CGAL::do_overlap(box, CGAL::bbox_2(part.begin(), part.end()))) {
+      out.push_back(part);
+      continue;
+    }
     fresh.clear();
     rest = part;
     for (std::size_t i = 0; i < hole.size() && !rest.empty(); ++i) {

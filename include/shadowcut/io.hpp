@@ -4,7 +4,9 @@
 // (output is written beside the target and renamed).
 #pragma once
 
+#include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <shadowcut/scene.hpp>
@@ -41,6 +43,7 @@ struct View {
   std::uint32_t face = none;                     // face: index into Scene::faces()
   Vec3 eye = Vec3::Zero(), target = Vec3::Zero();  // camera
   double fov = 1.0471975511965976;               // camera: vertical field of view, radians
+  unsigned threads = 0;                          // camera: for the engine that finds what the eye sees; 0: one for each processor
   double width = 1024, height = 768;             // page, in px
 };
 

@@ -126,9 +126,8 @@ class Query {
       }
       const double size = is_pp ? std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]) : 1.0;
       const double bound = n_error + size * (static_cast<double>(cone.error) + sign_slack + (is_pp ? 2 * unit_roundoff : 0.0));
-      const Sides3 found = classify(cone, n, bound);
-      if (found.positive && found.negative) {
-        signs_of(cone, n, bound, w_.signs);
+      w_.signs.test(cone, n, bound);
+      if (w_.signs.positive() && w_.signs.negative()) {
         if (is_pp) {
           const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
           crossing = {{n[0] / length, n[1] / length, n[2] / length}, static_cast<float>(n_error / length) + 1e-15f};
@@ -141,7 +140,7 @@ class Query {
         const auto id = static_cast<std::uint32_t>(light_.tables().lines.size() + cut_lines_.size());
         cut_lines_.push_back(crossing);
         Cone *positive, *negative;
-        split(cone, w_.signs, crossing, id, true, [this](std::uint32_t i) -> const Line& { return line(i); }, w_.pool, positive, negative);
+        split(cone, w_.signs, crossing.n, crossing.error, id, true, [this](std::uint32_t i) -> const Line& { return line(i); }, w_.pool, positive, negative);
         frames_.push_back({frame.cone, frame.cell, frame.place, answers.size(), true});
         frames_.push_back({positive, cell[0], sides[0], 0, false});
         if (is_pp) {
@@ -151,9 +150,9 @@ class Query {
         }
         return;
       }
-      if (is_pp && found.negative) return answers.push_back({&cone, false});
+      if (is_pp && w_.signs.negative()) return answers.push_back({&cone, false});
       // In front, or touching: coplanar faces do not shadow each other, and neither can shadow what is in front of both.
-      frame.place = sides[!is_pp && found.negative ? 1 : 0];
+      frame.place = sides[!is_pp && w_.signs.negative() ? 1 : 0];
     }
   }
 

@@ -5,6 +5,7 @@
 #include "emit.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace shadowcut {
 namespace {
@@ -12,40 +13,149 @@ namespace {
 constexpr std::uint32_t lit_state = none;        // states: lit, a casting face, or
 constexpr std::uint32_t mixed_state = none - 1;  // more than one
 
-// By SP-node: the one state of everything below, or mixed. Children come after their parents, so one pass backwards settles all.
-std::vector<std::uint32_t> states_of(const CellTree& tree) {
-  const auto nodes = tree.nodes();
-  std::vector<std::uint32_t> states(nodes.size(), mixed_state);
-  const auto face_of = [&](std::uint32_t pp) { return tree.tables().facets[tree.pieces()[nodes[pp].id].facet].face; };
-  const auto state_of = [&](Child c) { return c.is_out() ? lit_state : c.is_pp() ? face_of(c.node()) : states[c.node()]; };
-  for (std::size_t i = nodes.size(); i-- > 0;) {
-    const std::uint32_t a = state_of(nodes[i].child[0]);
-    // A PP-node's own entry is never asked for; its place has its owner's state.
-    if (a == state_of(nodes[i].child[1])) states[i] = a;
-  }
-  return states;
-}
-
 // The area of a polygon handed over corner by corner, as its part along the plane's normal: linear in the corners, so the areas of parts add up.
 class AreaSum {
  public:
+  explicit AreaSum(const Vec3& first) : origin_(first) {}
   void add(const Vec3& x) {
-    if (count_ == 0) origin_ = x;
     const Vec3 spoke = x - origin_;
-    if (count_ > 1) doubled_ += last_.cross(spoke);
+    doubled_ += last_.cross(spoke);
     last_ = spoke;
-    ++count_;
   }
   double area(const Vec3& normal) const { return std::abs(doubled_.dot(normal)) / 2; }
 
  private:
-  Vec3 origin_, last_, doubled_ = Vec3::Zero();
-  int count_ = 0;
+  Vec3 origin_, last_ = Vec3::Zero(), doubled_ = Vec3::Zero();
 };
 
 // The region of a face is its plane cut by its cone. Where its corners are flat only up to rounding, corners and region differ by as much;
 // areas are the region's, so that they add up. Where they are flat, its vertices will do.
 bool flat_enough(const Plane& plane, const Face& face) { return plane.flatness * plane.flatness <= 1e-26 * face.area; }
+
+class CellEmitter {
+ public:
+  CellEmitter(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target, Workspace& w, CellOutput& out)
+      : tree_(tree), cell_(cell), target_(target), w_(w), out_(out), nodes_(tree.nodes()), pieces_(tree.pieces()) {
+    if (merge) find_states();
+  }
+
+  void run() {
+    out_.block.fragments.reserve(pieces_.size() * 3);
+    out_.block.corners.reserve(pieces_.size() * 14);
+    for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
+      const Piece& piece = pieces_[p];
+      const Face& face = target_.scene.faces()[face_of(piece.facet)];
+      if (!target_.scene.objects()[face.object].receives || target_.tables.blocks_only[piece.facet]) continue;
+      if (piece.kind == Piece::Kind::owner || piece.kind == Piece::Kind::coplanar) {
+        const std::uint32_t front = piece.place * 2;
+        const std::uint32_t state = state_of(tree_.child_at(front));
+        if (state != mixed_state) {
+          emit_piece(p, front, state);
+        } else {
+          emit_in_front(p, front);
+        }
+      } else {
+        emit_piece(p, none, piece.kind == Piece::Kind::at_leaf ? lit_state : owner_face(piece.place));
+      }
+    }
+  }
+
+ private:
+  std::uint32_t face_of(std::uint32_t facet) const { return target_.scene.facets()[facet].face; }
+  std::uint32_t owner_face(std::uint32_t pp) const { return face_of(pieces_[nodes_[pp].id].facet); }
+  std::uint32_t state_of(Child c) const {
+    return c.is_out() ? lit_state : c.is_pp() ? owner_face(c.node()) : states_.empty() ? mixed_state : states_[c.node()];
+  }
+
+  // By SP-node: the one state of everything below, or mixed. Children come after their parents, so one pass backwards settles all.
+  void find_states() {
+    states_.resize(nodes_.size(), mixed_state);
+    for (std::size_t i = nodes_.size(); i-- > 0;) {
+      const std::uint32_t a = state_of(nodes_[i].child[0]);
+      if (a == state_of(nodes_[i].child[1])) states_[i] = a;  // for a PP-node this means nothing, and is never asked
+    }
+  }
+
+  void emit_in_front(std::uint32_t piece, std::uint32_t front) {
+    const auto line_of = [this](std::uint32_t id) -> const Line& { return tree_.line(id); };
+    Cone* whole = tree_.cone_of(pieces_[piece], w_.pool);
+    whole->at = front;
+    w_.pending.push_back(whole);
+    while (!w_.pending.empty()) {
+      Cone* cone = w_.pending.back();
+      w_.pending.pop_back();
+      std::uint32_t place = cone->at, state;
+      for (;;) {
+        const Child here = tree_.child_at(place);
+        state = state_of(here);
+        if (state != mixed_state) break;
+        const Node& node = nodes_[here.node()];
+        Cone* cut_off;
+        place = here.node() * 2 + sift(cone, node.n, node.error, node.id, line_of, w_.pool, w_.signs, cut_off);
+        if (cut_off) {
+          cut_off->at = here.node() * 2 + 1;
+          w_.pending.push_back(cut_off);
+        }
+      }
+      emit_polygon(cone->facet, cone->count, piece, place, state, [cone](std::uint32_t i) {
+        return StoredCorner{cone->x[i], cone->y[i], cone->z[i], cone->edge[i], cone->vertex[i]};
+      });
+      w_.pool.give_back(cone);
+    }
+  }
+
+  void emit_piece(std::uint32_t p, std::uint32_t place, std::uint32_t state) {
+    const auto corners = tree_.corners(pieces_[p]);
+    emit_polygon(pieces_[p].facet, pieces_[p].corner_count, p, place, state, [corners](std::uint32_t i) { return corners[i]; });
+  }
+
+  // Counter-clockwise seen from the light.
+  template <class CornerAt>
+  void emit_polygon(std::uint32_t facet_id, std::uint32_t count, std::uint32_t piece, std::uint32_t place, std::uint32_t state, const CornerAt& corner_at) {
+    const Facet& facet = target_.scene.facets()[facet_id];
+    const Plane& plane = target_.scene.planes()[facet.plane];
+    const double* q = target_.tables.planes[facet.plane].q;
+    const bool vertices_serve = flat_enough(plane, target_.scene.faces()[facet.face]);
+    const bool reversed = target_.space.handedness() < 0;
+    auto& corners = out_.block.corners;
+    const std::size_t first = corners.size();
+    corners.resize(first + count);
+    Vec3* const out = corners.data() + first;
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const StoredCorner c = corner_at(reversed ? count - 1 - k : k);
+      out[k] = c.vertex == none ? target_.space.back(&c.x, q) : target_.scene.vertices()[c.vertex];
+    }
+    double area;
+    if (vertices_serve) {
+      AreaSum sum(out[0]);
+      for (std::uint32_t k = 1; k < count; ++k) sum.add(out[k]);
+      area = sum.area(plane.normal);
+    } else {
+      const auto on_plane = [&](const StoredCorner& c) { return target_.space.back(&c.x, q); };
+      AreaSum sum(on_plane(corner_at(0)));
+      for (std::uint32_t k = 1; k < count; ++k) sum.add(on_plane(corner_at(k)));
+      area = sum.area(plane.normal);
+    }
+    const bool lit = state == lit_state;
+    out_.block.fragments.push_back({{cell_, piece, place}, facet.face, facet_id, lit ? none : state, static_cast<std::uint32_t>(first), count, lit, area});
+    if (!target_.keep_lines) return;
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const std::uint32_t i = reversed ? (2 * count - 2 - k) % count : k;  // the edge that leaves corner k in this order
+      const std::uint32_t line = corner_at(i).edge.line();
+      const std::uint64_t own = line < target_.tables.lines.size() ? 0 : static_cast<std::uint64_t>(cell_ + 1) << 32;
+      out_.edge_lines.push_back(own + line);
+    }
+  }
+
+  const CellTree& tree_;
+  std::uint32_t cell_;
+  const EmitTarget& target_;
+  Workspace& w_;
+  CellOutput& out_;
+  std::span<const Node> nodes_;
+  std::span<const Piece> pieces_;
+  std::vector<std::uint32_t> states_;  // by node; empty: leave everything in pieces
+};
 
 }  // namespace
 
@@ -53,104 +163,17 @@ double area_of_facet(const EmitTarget& target, std::uint32_t facet_id, bool in_l
   const Facet& facet = target.scene.facets()[facet_id];
   const Plane& plane = target.scene.planes()[facet.plane];
   const bool project = in_light && !flat_enough(plane, target.scene.faces()[facet.face]);
-  AreaSum sum;
-  for (const Corner& c : target.scene.corners_of(facet)) {
-    sum.add(project ? target.space.back(target.tables.rays[c.vertex].r, target.tables.planes[facet.plane].q) : target.scene.vertices()[c.vertex]);
-  }
+  const auto corner = [&](const Corner& c) {
+    return project ? target.space.back(target.tables.rays[c.vertex].r, target.tables.planes[facet.plane].q) : target.scene.vertices()[c.vertex];
+  };
+  const auto corners = target.scene.corners_of(facet);
+  AreaSum sum(corner(corners[0]));
+  for (const Corner& c : corners.subspan(1)) sum.add(corner(c));
   return sum.area(plane.normal);
 }
 
-void emit_cone(const Cone& cone, const EmitTarget& target, FragmentId id, bool lit, std::uint32_t caster, std::uint64_t local_lines, CellOutput& out) {
-  const Facet& facet = target.scene.facets()[cone.facet];
-  const Plane& plane = target.scene.planes()[facet.plane];
-  const PlaneRay& q = target.tables.planes[facet.plane];
-  auto& corners = out.block.corners;
-  const std::size_t first = corners.size();
-  const bool reversed = target.space.handedness() < 0;
-  const bool vertices_serve = flat_enough(plane, target.scene.faces()[facet.face]);
-  AreaSum sum;
-  for (std::uint32_t k = 0; k < cone.count; ++k) {
-    const std::uint32_t i = reversed ? cone.count - 1 - k : k;
-    const double r[3] = {cone.x[i], cone.y[i], cone.z[i]};
-    const std::uint32_t v = cone.vertex[i];
-    const bool is_vertex = v != none;
-    corners.push_back(is_vertex ? target.scene.vertices()[v] : target.space.back(r, q.q));
-    sum.add(is_vertex && !vertices_serve ? target.space.back(r, q.q) : corners.back());
-    if (target.keep_lines) {
-      const std::uint32_t leaving = reversed ? (i == 0 ? cone.count - 1 : i - 1) : i;
-      const std::uint64_t line = cone.edge[leaving].line();
-      out.edge_lines.push_back(line < target.tables.lines.size() ? line : line + local_lines);
-    }
-  }
-  out.block.fragments.push_back({id, facet.face, cone.facet, caster, static_cast<std::uint32_t>(first), cone.count, lit, sum.area(plane.normal)});
-}
-
 void emit_cell(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target, Workspace& w, CellOutput& out) {
-  const auto nodes = tree.nodes();
-  const auto pieces = tree.pieces();
-  const std::uint64_t local_lines = static_cast<std::uint64_t>(cell + 1) << 32;
-  const auto line_of = [&tree](std::uint32_t id) -> const Line& { return tree.line(id); };
-  const auto facet_face = [&](std::uint32_t facet) { return target.scene.facets()[facet].face; };
-  const auto receives = [&](std::uint32_t facet) {
-    const Face& face = target.scene.faces()[facet_face(facet)];
-    return target.scene.objects()[face.object].receives && !target.tables.blocks_only[facet];
-  };
-  std::vector<std::uint32_t> states;
-  if (merge) states = states_of(tree);
-
-  const auto emit_in_front = [&](std::uint32_t piece, std::uint32_t pp) {
-    Cone* whole = tree.cone_of(pieces[piece], w.pool);
-    whole->at = pp * 2;
-    w.pending.push_back(whole);
-    while (!w.pending.empty()) {
-      Cone* cone = w.pending.back();
-      w.pending.pop_back();
-      std::uint32_t place = cone->at;
-      for (;;) {
-        const Child here = tree.child_at(place);
-        std::uint32_t state = mixed_state;
-        if (here.is_out()) {
-          state = lit_state;
-        } else if (here.is_pp()) {
-          state = facet_face(pieces[nodes[here.node()].id].facet);
-        } else if (merge) {
-          state = states[here.node()];
-        }
-        if (state != mixed_state) {
-          emit_cone(*cone, target, {cell, piece, place}, state == lit_state, state, local_lines, out);
-          break;
-        }
-        const Node& node = nodes[here.node()];
-        const double bound = static_cast<double>(node.error) + static_cast<double>(cone->error) + sign_slack;
-        const Sides3 sides = classify(*cone, node.n, bound);
-        place = here.node() * 2 + (sides.positive ? 0u : 1u);
-        if (sides.positive && sides.negative) {
-          signs_of(*cone, node.n, bound, w.signs);
-          Cone *positive, *negative;
-          split(*cone, w.signs, tree.line(node.id), node.id, true, line_of, w.pool, positive, negative);
-          w.pool.give_back(cone);
-          negative->at = here.node() * 2 + 1;
-          w.pending.push_back(negative);
-          cone = positive;
-        }
-      }
-      w.pool.give_back(cone);
-    }
-  };
-
-  for (std::uint32_t p = 0; p < pieces.size(); ++p) {
-    const Piece& piece = pieces[p];
-    if (!receives(piece.facet)) continue;
-    if (piece.kind == Piece::Kind::owner || piece.kind == Piece::Kind::coplanar) {
-      emit_in_front(p, piece.place);
-      continue;
-    }
-    const bool lit = piece.kind == Piece::Kind::at_leaf;
-    const std::uint32_t caster = lit ? none : facet_face(pieces[nodes[piece.place].id].facet);
-    Cone* cone = tree.cone_of(piece, w.pool);
-    emit_cone(*cone, target, {cell, p, none}, lit, caster, local_lines, out);
-    w.pool.give_back(cone);
-  }
+  CellEmitter(tree, cell, merge, target, w, out).run();
 }
 
 }  // namespace shadowcut

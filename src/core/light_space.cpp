@@ -9,7 +9,7 @@ namespace {
 // Beyond this many scene radii a point light is treated in the far frame. Nearer, plain differences from the light lose under five bits.
 constexpr double far_radii = 16;
 
-float up(double bound) { return std::nextafter(static_cast<float>(bound), INFINITY); }
+float up(double bound) { return static_cast<float>(bound) * (1 + 0x1p-22f); }  // rounded to float, and never below the bound
 
 }  // namespace
 
@@ -119,9 +119,7 @@ PlaneRay LightSpace::plane(const Plane& p) const {
   return out;
 }
 
-Vec3 LightSpace::back(const double r[3], const double q[3]) const {
-  const double h = q[0] * r[0] + q[1] * r[1] + q[2] * r[2];
-  if (!far_) return center_ + Vec3(r[0], r[1], r[2]) / h;
+Vec3 LightSpace::back_from_far(const double r[3], double h) const {
   const double z = -sign_ * scale_ * h;
   const double w = r[2] - z * inverse_depth_;
   Vec3 x;

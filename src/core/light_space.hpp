@@ -53,7 +53,13 @@ class LightSpace {
   Line line(const Vec3& a, const Vec3& b) const;  // through the edge a -> b: positive on the left as the light sees it, or its mirror image
   PlaneRay plane(const Plane& p) const;           // only for planes not seen edge-on
   Turned turned(const Plane& p) const;
-  Vec3 back(const double r[3], const double q[3]) const;  // the point where the ray r meets the plane q
+  // The point where the ray r meets the plane q.
+  Vec3 back(const double r[3], const double q[3]) const {
+    const double h = q[0] * r[0] + q[1] * r[1] + q[2] * r[2];
+    if (far_) return back_from_far(r, h);
+    const double s = 1 / h;
+    return {center_[0] + r[0] * s, center_[1] + r[1] * s, center_[2] + r[2] * s};
+  }
 
   // +1 when a loop that runs counter-clockwise seen from the light does so in r too (its lines positive inside), else -1.
   int handedness() const { return handedness_; }
@@ -64,6 +70,7 @@ class LightSpace {
     Vec3 r;
     double error;  // absolute
   };
+  Vec3 back_from_far(const double r[3], double h) const;
   Raw raw_ray(const Vec3& x) const;
   double awayness(const Plane& p, double& error) const;
 

@@ -299,7 +299,6 @@ void LightTree::build(const std::vector<std::uint32_t>& order, const Options& op
       cone->pad();
       tree.insert(cone, w);
     }
-    tree.shrink();
     progress.step(begin[cell + 1] - begin[cell]);
   });
   locations_.assign(scene_.facets().size(), Location{});
@@ -343,7 +342,7 @@ void LightTree::sum_up() {
     if (areas[f].facing == Facing::ignored) areas[f].area = scene_.faces()[f].area;
   }
   for (const Block& block : shadows_.blocks) {
-    s.bytes += block.fragments.capacity() * sizeof(Fragment) + block.corners.capacity() * sizeof(Vec3);
+    s.bytes += block.fragments.size() * sizeof(Fragment) + block.corners.size() * sizeof(Vec3);
     for (const Fragment& f : block.fragments) {
       FaceArea& a = areas[f.face];
       (f.lit ? a.lit : a.shadowed) += f.area;
@@ -378,7 +377,7 @@ void LightTree::sum_up() {
     s.depth = std::max(s.depth, prefix_->depth_of(static_cast<std::uint32_t>(c)) + tree.depth());
     s.bytes += tree.bytes();
   }
-  s.bytes += tables_.lines.capacity() * sizeof(Line) + tables_.rays.capacity() * sizeof(VertexRay) + tables_.planes.capacity() * sizeof(PlaneRay);
+  s.bytes += tables_.lines.size() * sizeof(Line) + tables_.rays.size() * sizeof(VertexRay) + tables_.planes.size() * sizeof(PlaneRay);
 }
 
 }  // namespace shadowcut

@@ -46,23 +46,11 @@ class Prefix {
       while (!here.is_cell()) {
         const Node& node = nodes_[here.index()];
         const Line& line = lines(node.line);
-        const double bound = static_cast<double>(line.error) + static_cast<double>(cone->error) + sign_slack;
-        const Sides3 sides = classify(*cone, line.n, bound);
-        if (sides.positive && sides.negative) {
-          signs_of(*cone, line.n, bound, signs);
-          Cone *positive, *negative;
-          split(*cone, signs, line, node.line, true, lines, pool, positive, negative);
-          pool.give_back(cone);
-          negative->at = node.side[1].bits;
-          pending.push_back(negative);
-          cone = positive;
-          here = node.side[0];
-        } else {
-          if (sides.on) {
-            signs_of(*cone, line.n, bound, signs);
-            mark_on_edges(*cone, signs);
-          }
-          here = node.side[sides.negative ? 1 : 0];
+        Cone* cut_off;
+        here = node.side[sift(cone, line.n, line.error, node.line, lines, pool, signs, cut_off)];
+        if (cut_off) {
+          cut_off->at = node.side[1].bits;
+          pending.push_back(cut_off);
         }
       }
       deliver(here.index(), cone);

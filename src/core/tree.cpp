@@ -24,26 +24,14 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
     const Child here = child_at(place);
     if (here.is_sp()) {
       const Node& node = nodes_[here.node()];
-      const double bound = static_cast<double>(node.error) + static_cast<double>(cone->error) + sign_slack;
-      const Sides3 sides = classify(*cone, node.n, bound);
       counts_.predicates += cone->count;
-      if (sides.positive && sides.negative) {
-        signs_of(*cone, node.n, bound, w.signs);
-        Cone *positive, *negative;
-        split(*cone, w.signs, line(node.id), node.id, true, line_of, w.pool, positive, negative);
-        w.pool.give_back(cone);
-        negative->at = here.node() * 2 + 1;
-        w.pending.push_back(negative);
-        cone = positive;
-        place = here.node() * 2;
-        continue;
+      Cone* cut_off;
+      place = here.node() * 2 + sift(cone, node.n, node.error, node.id, line_of, w.pool, w.signs, cut_off);
+      counts_.on += w.signs.on();
+      if (cut_off) {
+        cut_off->at = here.node() * 2 + 1;
+        w.pending.push_back(cut_off);
       }
-      if (sides.on) {
-        signs_of(*cone, node.n, bound, w.signs);
-        counts_.on += static_cast<std::uint64_t>(std::count(w.signs.begin(), w.signs.end(), 0));
-        mark_on_edges(*cone, w.signs);
-      }
-      place = here.node() * 2 + (sides.negative ? 1u : 0u);
       continue;
     }
 
@@ -70,13 +58,13 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
     const double size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
     const double d_error = static_cast<double>(own.error) + static_cast<double>(node.error) + 2 * unit_roundoff * size;
     const double bound = d_error + size * (static_cast<double>(cone->error) + sign_slack);
-    const Sides3 sides = classify(*cone, d, bound);
+    w.signs.test(*cone, d, bound);
     counts_.predicates += cone->count;
-    if (sides.positive && sides.negative) {
-      signs_of(*cone, d, bound, w.signs);
+    counts_.on += w.signs.on();
+    if (w.signs.positive() && w.signs.negative()) {
       const std::uint32_t cut = crossing_line(d, d_error);
       Cone *front, *behind;
-      split(*cone, w.signs, line(cut), cut, false, line_of, w.pool, front, behind);
+      split(*cone, w.signs, line(cut).n, line(cut).error, cut, false, line_of, w.pool, front, behind);
       w.pool.give_back(cone);
       add_to_list(store(*behind, Piece::Kind::behind, pp), pp);
       w.pool.give_back(behind);
@@ -84,12 +72,11 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
       place = pp * 2;
       continue;
     }
-    if (sides.positive) {
-      if (sides.on) counts_.on += 1;
+    if (w.signs.positive()) {
       place = pp * 2;
       continue;
     }
-    add_to_list(store(*cone, sides.negative ? Piece::Kind::behind : Piece::Kind::coplanar, pp), pp);
+    add_to_list(store(*cone, w.signs.negative() ? Piece::Kind::behind : Piece::Kind::coplanar, pp), pp);
     break;
   }
   w.pool.give_back(cone);
@@ -156,24 +143,17 @@ void CellTree::link_locations(std::uint32_t cell, std::vector<Location>& heads) 
   }
 }
 
-void CellTree::reserve(std::size_t facets) {  // typical figures; the vectors grow where a scene needs more
-  nodes_.reserve(facets * 12);
-  links_.reserve(facets * 12);
-  pieces_.reserve(facets * 3);
-  corners_.reserve(facets * 12);
-}
-
-void CellTree::shrink() {
-  nodes_.shrink_to_fit();
-  links_.shrink_to_fit();
-  pieces_.shrink_to_fit();
-  corners_.shrink_to_fit();
-  local_lines_.shrink_to_fit();
+// Generous figures: pages that are never written cost nothing, moving a vector does. Scenes that need more get it.
+void CellTree::reserve(std::size_t facets) {
+  nodes_.reserve(facets * 16);
+  links_.reserve(facets * 16);
+  pieces_.reserve(facets * 8);
+  corners_.reserve(facets * 36);
 }
 
 std::uint64_t CellTree::bytes() const {
-  return nodes_.capacity() * sizeof(Node) + links_.capacity() * sizeof(NodeLinks) + pieces_.capacity() * sizeof(Piece) + corners_.capacity() * sizeof(StoredCorner) +
-         local_lines_.capacity() * sizeof(Line);
+  return nodes_.size() * sizeof(Node) + links_.size() * sizeof(NodeLinks) + pieces_.size() * sizeof(Piece) + corners_.size() * sizeof(StoredCorner) +
+         local_lines_.size() * sizeof(Line);
 }
 
 std::uint64_t CellTree::depth() const {

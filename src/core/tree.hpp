@@ -133,7 +133,6 @@ class CellTree {
   // Puts every piece in front of its facet's location list.
   void link_locations(std::uint32_t cell, std::vector<Location>& heads);
   void reserve(std::size_t facets);
-  void shrink();
 
   // Every invariant of the tree; empty when all hold.
   std::string validate() const;

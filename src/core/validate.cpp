@@ -72,11 +72,12 @@ std::string CellTree::validate() const {
         const double d[3] = {own.q[0] - node.n[0], own.q[1] - node.n[1], own.q[2] - node.n[2]};
         const double size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
         const double bound = static_cast<double>(own.error) + static_cast<double>(node.error) + size * (static_cast<double>(cone->error) + 6 * unit_roundoff);
-        if (classify(*cone, d, bound).negative) return say("a piece in front of a PP-node reaches behind it", p);
+        signs.test(*cone, d, bound);
+        if (signs.negative()) return say("a piece in front of a PP-node reaches behind it", p);
         continue;
       }
       // 5. A piece lies on its cell's side of every SP-node above it.
-      signs_of(*cone, node.n, bound_for(node.error, cone->error), signs);
+      signs.test(*cone, node.n, bound_for(node.error, cone->error));
       const int wrong = place & 1 ? 1 : -1;
       for (std::uint32_t i = 0; i < cone->count; ++i) {
         if (signs[i] == wrong) return say("a piece reaches out of its cell", p);
@@ -97,8 +98,8 @@ std::string CellTree::validate() const {
         const double d[3] = {own.q[0] - node.n[0], own.q[1] - node.n[1], own.q[2] - node.n[2]};
         const double size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
         const double bound = static_cast<double>(own.error) + static_cast<double>(node.error) + size * (static_cast<double>(cone->error) + 6 * unit_roundoff);
-        const Sides3 sides = classify(*cone, d, bound);
-        if (sides.positive || (sides.negative && piece.kind == Piece::Kind::coplanar)) return say("a piece behind a PP-node reaches in front of it", p);
+        signs.test(*cone, d, bound);
+        if (signs.positive() || (signs.negative() && piece.kind == Piece::Kind::coplanar)) return say("a piece behind a PP-node reaches in front of it", p);
       }
     }
     pool.give_back(cone);

@@ -2,9 +2,8 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
-
 #include <shadowcut/scene.hpp>
+#include <vector>
 
 namespace shadowcut::io {
 

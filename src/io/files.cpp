@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstring>
 #include <iostream>
-
 #include <shadowcut/io.hpp>
 
 namespace shadowcut::io {

@@ -31,9 +31,9 @@ class PendingFile {
  private:
   [[noreturn]] void fail() const;
 
-  std::string name_;                // as the user gave it, for messages
-  std::filesystem::path target_;    // with symbolic links followed: a link stays a link
-  std::filesystem::path beside_;    // equal to target_ when the target is a device or a pipe, which must not be replaced
+  std::string name_;              // as the user gave it, for messages
+  std::filesystem::path target_;  // with symbolic links followed: a link stays a link
+  std::filesystem::path beside_;  // equal to target_ when the target is a device or a pipe, which must not be replaced
   std::ofstream stream_;
 };
 

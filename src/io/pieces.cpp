@@ -14,14 +14,15 @@ void take_one_light(const Shadows& shadows, Pieces& out) {
   for (const Block& block : shadows.blocks) {
     const std::size_t base = out.corners.size();
     out.corners.insert(out.corners.end(), block.corners.begin(), block.corners.end());
-    for (const Fragment& f : block.fragments) out.pieces.push_back({f.face, f.facet, f.lit ? 0u : 1u, f.corner_count, base + f.first_corner});
+    for (const Fragment& f : block.fragments)
+      out.pieces.push_back({f.face, f.facet, f.lit ? 0u : 1u, f.corner_count, base + f.first_corner});
   }
 }
 
 std::string name_of(const std::vector<std::uint32_t>& lights) {
   if (lights.empty()) return "shadowed";
   std::string name = "lit by ";
-  for (std::size_t i = 0; i < lights.size(); ++i) name += (i == 0 ? "" : "+") + std::to_string(lights[i]);
+  for (std::size_t i = 0; i < lights.size(); ++i) name.append(i == 0 ? "" : "+").append(std::to_string(lights[i]));
   return name;
 }
 
@@ -53,7 +54,8 @@ std::uint64_t hash_of(const Vec3& v) {
 }
 
 bool same_bits(const Vec3& a, const Vec3& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) { return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y); });
+  return std::equal(a.begin(), a.end(), b.begin(),
+                    [](double x, double y) { return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y); });
 }
 
 }  // namespace

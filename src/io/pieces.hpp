@@ -2,11 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <shadowcut/shadows.hpp>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <shadowcut/shadows.hpp>
 
 namespace shadowcut::io {
 

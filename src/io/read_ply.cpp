@@ -54,13 +54,17 @@ std::optional<Type> type_of(std::string_view word) {
 std::size_t size_of(Type type) {
   switch (type) {
     case Type::i8:
-    case Type::u8: return 1;
+    case Type::u8:
+      return 1;
     case Type::i16:
-    case Type::u16: return 2;
+    case Type::u16:
+      return 2;
     case Type::i32:
     case Type::u32:
-    case Type::f32: return 4;
-    case Type::f64: return 8;
+    case Type::f32:
+      return 4;
+    case Type::f64:
+      return 8;
   }
   return 0;
 }
@@ -150,14 +154,22 @@ class Reader {
     const bool swap = (format_ == Header::Format::big) != (std::endian::native == std::endian::big);
     if (swap) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
     switch (type) {
-      case Type::i8: return as<std::int8_t>(raw);
-      case Type::u8: return as<std::uint8_t>(raw);
-      case Type::i16: return as<std::int16_t>(raw);
-      case Type::u16: return as<std::uint16_t>(raw);
-      case Type::i32: return as<std::int32_t>(raw);
-      case Type::u32: return as<std::uint32_t>(raw);
-      case Type::f32: return as<float>(raw);
-      case Type::f64: return as<double>(raw);
+      case Type::i8:
+        return as<std::int8_t>(raw);
+      case Type::u8:
+        return as<std::uint8_t>(raw);
+      case Type::i16:
+        return as<std::int16_t>(raw);
+      case Type::u16:
+        return as<std::uint16_t>(raw);
+      case Type::i32:
+        return as<std::int32_t>(raw);
+      case Type::u32:
+        return as<std::uint32_t>(raw);
+      case Type::f32:
+        return as<float>(raw);
+      case Type::f64:
+        return as<double>(raw);
     }
     return 0;
   }

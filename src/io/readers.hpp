@@ -3,10 +3,9 @@
 // is not their matter: it goes to Scene::add, which reports it.
 #pragma once
 
+#include <shadowcut/io.hpp>
 #include <string>
 #include <string_view>
-
-#include <shadowcut/io.hpp>
 
 namespace shadowcut::io {
 

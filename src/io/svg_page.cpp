@@ -55,8 +55,8 @@ SvgPage::SvgPage(double width, double height, const Colour& background) : width_
   number(width);
   text_ += ' ';
   number(height);
-  text_ += "\" stroke-linejoin=\"round\" font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"" + hex(background) +
-           "\"/>\n";
+  text_ += "\" stroke-linejoin=\"round\" font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"" +
+           hex(background) + "\"/>\n";
 }
 
 void SvgPage::number(double value) {

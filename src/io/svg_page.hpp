@@ -1,11 +1,10 @@
 // A page of SVG: polygons, lines and words, with a scale bar. Page coordinates are px, y down.
 #pragma once
 
+#include <Eigen/Core>
 #include <span>
 #include <string>
 #include <string_view>
-
-#include <Eigen/Core>
 
 namespace shadowcut::io {
 

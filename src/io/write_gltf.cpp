@@ -1,14 +1,13 @@
 // Fragments as glTF 2.0, with the data in the file itself: JSON with base64, or binary.
 //
 // An object becomes a node with a mesh, and a light set a material with a primitive in each mesh. glTF holds coordinates as floats, so
-// each node has a translation to the middle of its object and the coordinates count from there: a scene far from the origin stays as sharp as one
-// near it. Materials are unlit, for the fragments already say where light falls.
+// each node has a translation to the middle of its object and the coordinates count from there: a scene far from the origin stays as sharp
+// as one near it. Materials are unlit, for the fragments already say where light falls.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
-
 #include <nlohmann/json.hpp>
 
 #include "text.hpp"
@@ -47,8 +46,8 @@ bool is_straight(const Vec3& a, const Vec3& b, const Vec3& c) {
   return (b - a).cross(c - b).norm() <= 1e-12 * (b - a).norm() * (c - b).norm();
 }
 
-// Triangles of a convex polygon, as indices into it; index n is its middle. A fan from a corner whose neighbours are no straight corners has no
-// flat triangle, and no triangle's side runs past a corner; where there is no such corner the fan is from the middle.
+// Triangles of a convex polygon, as indices into it; index n is its middle. A fan from a corner whose neighbours are no straight corners
+// has no flat triangle, and no triangle's side runs past a corner; where there is no such corner the fan is from the middle.
 void fan(std::span<const Vec3> corners, std::vector<std::uint32_t>& triangles) {
   const auto n = static_cast<std::uint32_t>(corners.size());
   std::vector<bool> straight(n);
@@ -100,11 +99,12 @@ class Writer {
   void add_materials() {
     for (const LightSet& set : pieces_.sets) {
       const Vec3 colour = colour_of(pieces_.brightness(set)).unaryExpr([](double c) { return linear_of(c); });
-      document_["materials"].push_back({{"name", set.name},
-                                        {"doubleSided", true},
-                                        {"extensions", {{"KHR_materials_unlit", ordered_json::object()}}},
-                                        {"pbrMetallicRoughness",
-                                         {{"baseColorFactor", {colour.x(), colour.y(), colour.z(), 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}}});
+      document_["materials"].push_back(
+          {{"name", set.name},
+           {"doubleSided", true},
+           {"extensions", {{"KHR_materials_unlit", ordered_json::object()}}},
+           {"pbrMetallicRoughness",
+            {{"baseColorFactor", {colour.x(), colour.y(), colour.z(), 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}}});
     }
   }
 
@@ -125,7 +125,8 @@ class Writer {
       primitives.push_back({{"attributes", {{"POSITION", positions}}}, {"indices", add_indices(triangles[set])}, {"material", set}});
     }
     const std::string name = printable(scene_.objects()[object].name);
-    document_["nodes"].push_back({{"name", name}, {"mesh", document_["meshes"].size()}, {"translation", {middle.x(), middle.y(), middle.z()}}});
+    document_["nodes"].push_back(
+        {{"name", name}, {"mesh", document_["meshes"].size()}, {"translation", {middle.x(), middle.y(), middle.z()}}});
     document_["meshes"].push_back({{"name", name}, {"primitives", std::move(primitives)}});
     return end;
   }
@@ -178,8 +179,9 @@ class Writer {
     document_["extensionsUsed"] = {"KHR_materials_unlit"};
     document_["scene"] = 0;
     document_["scenes"] = ordered_json::array({{{"nodes", roots}}});
-    document_["bufferViews"] = {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", positions_.size()}, {"target", array_buffer}},
-                                {{"buffer", 0}, {"byteOffset", positions_.size()}, {"byteLength", indices_.size()}, {"target", element_array_buffer}}};
+    document_["bufferViews"] = {
+        {{"buffer", 0}, {"byteOffset", 0}, {"byteLength", positions_.size()}, {"target", array_buffer}},
+        {{"buffer", 0}, {"byteOffset", positions_.size()}, {"byteLength", indices_.size()}, {"target", element_array_buffer}}};
     document_["buffers"] = ordered_json::array({{{"byteLength", positions_.size() + indices_.size()}}});
   }
 

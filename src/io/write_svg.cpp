@@ -1,7 +1,7 @@
 // Drawings of fragments: a plan from above, one face laid flat, or a view in perspective.
 //
-// The view in perspective has no painter's order and no depth buffer. The eye is added to the lights as one more of them: what it "lights" is
-// what can be seen, cut by the engine as exactly as a shadow is, and the fragments that it reaches are drawn as they are.
+// The view in perspective has no painter's order and no depth buffer. The eye is added to the lights as one more of them: what it "lights"
+// is what can be seen, cut by the engine as exactly as a shadow is, and the fragments that it reaches are drawn as they are.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -62,12 +62,59 @@ double side_of(const Plane& plane, const Light& light) {
   return light.kind == Light::Kind::point ? plane.normal.dot(light.at - plane.point) : -plane.normal.dot(light.at);
 }
 
-// How bright a piece looks from a place: of the lights that reach it, those on the onlooker's side of it count. A sheet lit from behind is dark.
+// How bright a piece looks from a place: of the lights that reach it, those on the onlooker's side of it count. A sheet lit from behind is
+// dark.
 double seen_light(const LightSet& set, const std::vector<Light>& lights, const Plane& plane, double onlooker_side) {
   double sum = 0;
   for (const std::uint32_t k : set.lights)
     if (k < lights.size() && side_of(plane, lights[k]) * onlooker_side > 0) ++sum;
   return sum;
+}
+
+// Which edges of the scene a drawing should show: the rim of a surface, or a fold sharper than 30 degrees.
+class Creases {
+ public:
+  explicit Creases(const Scene& scene) : scene_(scene), shows_(scene.edges().size(), false) {
+    const double smooth = std::cos(std::numbers::pi / 6);
+    std::vector<std::uint32_t> first(shows_.size(), none), count(shows_.size(), 0);
+    for (const Facet& facet : scene.facets()) {
+      for (const Corner& c : scene.corners_of(facet)) {
+        const std::uint32_t edge = c.edge >> 1;
+        if (first[edge] == none) first[edge] = facet.plane;
+        else if (std::abs(scene.planes()[first[edge]].normal.dot(scene.planes()[facet.plane].normal)) < smooth) shows_[edge] = true;
+        ++count[edge];
+      }
+    }
+    for (std::size_t e = 0; e < shows_.size(); ++e) shows_[e] = shows_[e] || count[e] == 1;
+  }
+
+  // Whether the edge a-b of a fragment lies on an edge of its facet that shows.
+  bool holds(const Facet& facet, const Vec3& a, const Vec3& b) const {
+    const std::span<const Corner> corners = scene_.corners_of(facet);
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      if (!shows_[corners[k].edge >> 1]) continue;
+      const Vec3 &p = scene_.vertices()[corners[k].vertex], &q = scene_.vertices()[corners[(k + 1) % corners.size()].vertex];
+      const double tolerance = 1e-7 * (q - p).squaredNorm();
+      if ((a - p).cross(q - p).norm() <= tolerance && (b - p).cross(q - p).norm() <= tolerance) return true;
+    }
+    return false;
+  }
+
+ private:
+  const Scene& scene_;
+  std::vector<bool> shows_;
+};
+
+// A muted colour that stays an object's own as long as its name does.
+Colour colour_of_object(std::string_view name) {
+  std::uint32_t hash = 2166136261u;
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
+  const double hue = 6.0 * static_cast<double>(hash % 997) / 997, saturation = 0.06 + 0.16 * static_cast<double>(hash / 997 % 5) / 4;
+  const auto channel = [&](double shift) {
+    const double t = std::fmod(hue + shift, 6.0);
+    return 1 - saturation * std::clamp(std::min(t, 4 - t), 0.0, 1.0);
+  };
+  return Colour(channel(5), channel(3), channel(1));
 }
 
 void legend(SvgPage& page, const Colour& lit, const Colour& shadowed) {
@@ -81,7 +128,7 @@ void legend(SvgPage& page, const Colour& lit, const Colour& shadowed) {
 class Plan {
  public:
   Plan(const Scene& scene, const Pieces& pieces, const View& view, const std::vector<Light>& lights)
-      : scene_(scene), pieces_(pieces), view_(view), lights_(lights), page_(view.width, view.height, paper) {
+      : scene_(scene), pieces_(pieces), view_(view), lights_(lights), page_(view.width, view.height, paper), creases_(scene) {
     frame_.towards = view.up.normalized();
     frame_.right = any_normal_to(view.up);
     frame_.above = frame_.towards.cross(frame_.right);
@@ -92,7 +139,7 @@ class Plan {
     if (sheets_.empty()) throw Error("nothing to draw: no surface faces up");
     std::stable_sort(sheets_.begin(), sheets_.end(), [](const Sheet& a, const Sheet& b) { return a.height < b.height; });
     Eigen::AlignedBox2d box;
-    for (const Point& p : points_) box.extend(p);
+    for (const Knot& c : points_) box.extend(c.at);
     const Fit fit(box, page_);
     for (const Sheet& sheet : sheets_) paint(sheet, fit);
     for (const Light& light : lights_) mark(light, fit);
@@ -107,6 +154,10 @@ class Plan {
     std::uint32_t object;
     Colour colour;
     std::size_t first, count;  // into points_
+  };
+  struct Knot {
+    Point at;
+    bool crease;  // from here to the next corner
   };
 
   void take(const Piece& piece) {
@@ -123,15 +174,22 @@ class Plan {
     const double light = seen_light(pieces_.sets[piece.set], lights_, plane, slope) / static_cast<double>(pieces_.light_count);
     double height = 0;
     for (const Vec3& p : polygon_) height += frame_.towards.dot(p) / static_cast<double>(polygon_.size());
-    sheets_.push_back({height, object, colour_of(light) * (0.8 + 0.2 * std::abs(slope)), points_.size(), polygon_.size()});
-    for (const Vec3& p : polygon_) points_.push_back(frame_.flat(p));
+    const Colour tint = 0.5 * Colour::Ones() + 0.5 * colour_of_object(scene_.objects()[object].name);
+    sheets_.push_back(
+        {height, object, (0.8 + 0.2 * std::abs(slope)) * colour_of(light).cwiseProduct(tint), points_.size(), polygon_.size()});
+    for (std::size_t i = 0; i < polygon_.size(); ++i) {
+      const Vec3 &a = polygon_[i], &b = polygon_[(i + 1) % polygon_.size()];
+      points_.push_back({frame_.flat(a), creases_.holds(scene_.facets()[piece.facet], a, b)});
+    }
   }
 
   void paint(const Sheet& sheet, const Fit& fit) {
     page_.title(scene_.objects()[sheet.object].name);
     corners_.clear();
-    for (std::size_t i = 0; i < sheet.count; ++i) corners_.push_back(fit(points_[sheet.first + i]));
-    page_.polygon(corners_, sheet.colour, sheet.colour * 0.82, 0.5);
+    for (std::size_t i = 0; i < sheet.count; ++i) corners_.push_back(fit(points_[sheet.first + i].at));
+    page_.polygon(corners_, sheet.colour, sheet.colour * 0.86, 0.4);
+    for (std::size_t i = 0; i < sheet.count; ++i)
+      if (points_[sheet.first + i].crease) page_.line(corners_[i], corners_[(i + 1) % corners_.size()], ink, 0.7);
   }
 
   void mark(const Light& light, const Fit& fit) {
@@ -147,9 +205,11 @@ class Plan {
   const View& view_;
   const std::vector<Light>& lights_;
   SvgPage page_;
+  Creases creases_;
   Frame frame_;
   std::vector<Sheet> sheets_;
-  std::vector<Point> points_, corners_;
+  std::vector<Knot> points_;
+  std::vector<Point> corners_;
   std::vector<Vec3> polygon_, scratch_;
 };
 
@@ -185,40 +245,10 @@ std::string draw_face(const Scene& scene, const Pieces& pieces, const View& view
 
 // ---- camera
 
-// For every edge of the scene, whether a drawing should show it: the rim of a surface, or a fold sharper than 30 degrees.
-std::vector<bool> creases_of(const Scene& scene) {
-  const double smooth = std::cos(std::numbers::pi / 6);
-  std::vector<std::uint32_t> first(scene.edges().size(), none), count(scene.edges().size(), 0);
-  std::vector<bool> crease(scene.edges().size(), false);
-  for (std::uint32_t f = 0; f < scene.facets().size(); ++f) {
-    const Facet& facet = scene.facets()[f];
-    for (const Corner& c : scene.corners_of(facet)) {
-      const std::uint32_t edge = c.edge >> 1;
-      if (first[edge] == none) first[edge] = facet.plane;
-      else if (std::abs(scene.planes()[first[edge]].normal.dot(scene.planes()[facet.plane].normal)) < smooth) crease[edge] = true;
-      ++count[edge];
-    }
-  }
-  for (std::size_t e = 0; e < crease.size(); ++e) crease[e] = crease[e] || count[e] == 1;
-  return crease;
-}
-
-// A muted colour that stays an object's own as long as its name does.
-Colour colour_of_object(std::string_view name) {
-  std::uint32_t hash = 2166136261u;
-  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
-  const double hue = 6.0 * static_cast<double>(hash % 997) / 997, saturation = 0.16 + 0.12 * static_cast<double>(hash / 997 % 5) / 4;
-  const auto channel = [&](double shift) {
-    const double t = std::fmod(hue + shift, 6.0);
-    return 1 - saturation * std::clamp(std::min(t, 4 - t), 0.0, 1.0);
-  };
-  return Colour(channel(5), channel(3), channel(1));
-}
-
 class CameraView {
  public:
   CameraView(const Scene& scene, const View& view, const std::vector<Light>& lights)
-      : scene_(scene), view_(view), lights_(lights), page_(view.width, view.height, sky), creases_(creases_of(scene)) {
+      : scene_(scene), view_(view), lights_(lights), page_(view.width, view.height, sky), creases_(scene) {
     const Vec3 back = view.eye - view.target;
     if (!back.allFinite() || back.norm() == 0) throw Error("nothing to draw: the eye is at its target");
     if (!(view.fov > 0 && view.fov < std::numbers::pi)) throw Error("nothing to draw: a field of view is between 0 and 180 degrees");
@@ -229,7 +259,9 @@ class CameraView {
   }
 
   std::string draw() {
-    Engine engine(scene_);
+    Options options;
+    options.threads = view_.threads;
+    Engine engine(scene_, options);
     for (const Light& light : lights_) engine.add_light(light);
     const std::size_t eye = engine.add_light(Light::point(view_.eye));
     const LightSets all = engine.combined();
@@ -247,8 +279,12 @@ class CameraView {
     if (!project(corners)) return;
     const Colour colour = shade(all, i, object);
     page_.title(scene_.objects()[object].name);
-    page_.polygon(page_corners_, colour, colour, 0.6);  // the stroke closes the hair between neighbours
-    for (std::size_t k = 0; k < corners.size(); ++k) draw_crease(scene_.facets()[fragment.facet], corners[k], corners[(k + 1) % corners.size()]);
+    page_.polygon(page_corners_, colour, colour, 1);  // the stroke closes the hair between neighbours
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const Vec3 ends[] = {corners[k], corners[(k + 1) % corners.size()]};
+      if (creases_.holds(scene_.facets()[fragment.facet], ends[0], ends[1]) && project(ends))
+        lines_.emplace_back(page_corners_[0], page_corners_[1]);
+    }
   }
 
   // What is in front of the eye and inside the picture, as corners on the page.
@@ -265,7 +301,8 @@ class CameraView {
     }
     page_corners_.clear();
     for (const Vec3& p : polygon_) {
-      page_corners_.push_back({0.5 * view_.width * (1 + p.x() / (p.z() * slope_x_)), 0.5 * view_.height * (1 - p.y() / (p.z() * slope_y_))});
+      page_corners_.push_back(
+          {0.5 * view_.width * (1 + p.x() / (p.z() * slope_x_)), 0.5 * view_.height * (1 - p.y() / (p.z() * slope_y_))});
     }
     return page_corners_.size() >= std::min<std::size_t>(3, corners.size());
   }
@@ -285,25 +322,11 @@ class CameraView {
     return colour_of_object(scene_.objects()[object].name).cwiseProduct(ambient * cool + 0.62 * light * warm);
   }
 
-  // Draws the edge a-b of a fragment if it lies on an edge of its facet that shows.
-  void draw_crease(const Facet& facet, const Vec3& a, const Vec3& b) {
-    const std::span<const Corner> corners = scene_.corners_of(facet);
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      if (!creases_[corners[k].edge >> 1]) continue;
-      const Vec3 &p = scene_.vertices()[corners[k].vertex], &q = scene_.vertices()[corners[(k + 1) % corners.size()].vertex];
-      const double tolerance = 1e-7 * (q - p).squaredNorm();
-      if ((a - p).cross(q - p).norm() > tolerance || (b - p).cross(q - p).norm() > tolerance) continue;
-      const Vec3 ends[] = {a, b};
-      if (project(ends)) lines_.emplace_back(page_corners_[0], page_corners_[1]);
-      return;
-    }
-  }
-
   const Scene& scene_;
   const View& view_;
   const std::vector<Light>& lights_;
   SvgPage page_;
-  std::vector<bool> creases_;
+  Creases creases_;
   Frame frame_;
   double near_, slope_x_, slope_y_;
   std::vector<Vec3> polygon_, scratch_;

@@ -1,9 +1,8 @@
 // The writers behind write_fragments, one for each family of formats.
 #pragma once
 
-#include <string>
-
 #include <shadowcut/io.hpp>
+#include <string>
 
 #include "pieces.hpp"
 

@@ -1,0 +1,107 @@
+// The program shadowcut: reads its arguments, runs a command, and turns whatever goes wrong into one line and exit status 2.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <iostream>
+#include <map>
+#include <new>
+
+#include "commands.hpp"
+
+namespace shadowcut::cli {
+
+namespace {
+
+template <typename T>
+CLI::Option* add_choice(CLI::App& command, const std::string& name, T& target, const std::map<std::string, T>& choices,
+                        const std::string& help) {
+  std::string words;
+  for (const auto& [word, value] : choices) words += (words.empty() ? "" : "|") + word;
+  const auto set = [&target, choices, name, words](const std::string& word) {
+    const auto place = choices.find(word);
+    if (place == choices.end()) throw CLI::ValidationError(name, "'" + word + "' is none of " + words);
+    target = place->second;
+  };
+  return command.add_option_function<std::string>(name, set, help)->type_name(words);
+}
+
+CLI::Option* add_list(CLI::App& command, const std::string& name, std::vector<std::string>& target, const std::string& help) {
+  return command.add_option(name, target, help)->type_size(1)->allow_extra_args(false);
+}
+
+const std::map<std::string, Sides> sides{{"auto", Sides::automatic}, {"closed", Sides::closed}, {"open", Sides::open}};
+
+void add_cast(CLI::App& app, CastArguments& a) {
+  CLI::App& command = *app.add_subcommand("cast", "Cut the faces of a scene into lit and shadowed fragments");
+  command.add_option("SCENE", a.scene, "Scene file: .obj .ply .off .stl .gltf .glb .dae .fbx .ifc and others")->required();
+  add_list(command, "--light", a.lights, "point:x,y,z or sun:dx,dy,dz (direction of travel); none: the scene's own lights")
+      ->type_name("SPEC");
+  add_choice<Kernel>(command, "--kernel", a.options.kernel, {{"fast", Kernel::fast}}, "Arithmetic");
+  add_choice<Form>(command, "--form", a.options.form,
+                   {{"pieces", Form::pieces}, {"merged", Form::merged}, {"conforming", Form::conforming}},
+                   "Form of the fragments (merged)");
+  add_choice<Sides>(command, "--sides", a.sides, sides, "Which sides of faces count (auto)");
+  command.add_option("--threads", a.options.threads, "0: one for each processor")->check(CLI::Range(0, 4096));
+  add_list(command, "-o", a.outputs, "Fragments: .obj .ply .gltf .glb, or a drawing: .svg")->type_name("FILE");
+  command.add_option("--areas", a.areas, "Areas of every face, as comma separated values")->type_name("FILE");
+  command.add_option("--json", a.json, "Summary; - is standard output")->type_name("FILE");
+  command.add_flag("--strict", a.strict, "Refuse a scene with refused or repaired faces");
+  command.add_flag("--quiet", a.quiet, "Say nothing but errors");
+  add_list(command, "--svg", a.drawings,
+           "Drawing for .svg: plan, plan:HEIGHT (cut there), OBJECT:FACE, or ex,ey,ez,tx,ty,tz[,fov]; one for each .svg, or one for all")
+      ->type_name("VIEW");
+  command.add_option("--up", a.up, "Axis that points up in drawings (z)")->check(CLI::IsMember({"x", "y", "z"}));
+  add_choice<Order>(command, "--order", a.options.order,
+                    {{"solid-angle", Order::solid_angle}, {"as-given", Order::as_given}, {"random", Order::random}},
+                    "Order of insertion (solid-angle)");
+  command.add_option("--seed", a.options.seed, "For --order random");
+  command.add_option("--facets-per-cell", a.options.facets_per_cell, "Where the balanced prefix stops dividing; 0: no prefix");
+}
+
+void add_inspect(CLI::App& app, InspectArguments& a) {
+  CLI::App& command = *app.add_subcommand("inspect", "List a scene's objects, lights, and refused or repaired faces");
+  command.add_option("SCENE", a.scene, "Scene file")->required();
+  command.add_option("--json", a.json, "The same as JSON; - is standard output")->type_name("FILE");
+  add_choice<Sides>(command, "--sides", a.sides, sides, "Which sides of faces count (auto)");
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Exact shadow geometry", "shadowcut");
+  app.set_version_flag("--version", "shadowcut " SHADOWCUT_VERSION);
+  app.require_subcommand(1);
+  CastArguments cast_arguments;
+  InspectArguments inspect_arguments;
+  add_cast(app, cast_arguments);
+  add_inspect(app, inspect_arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    throw Error(error.what());
+  }
+  if (app.got_subcommand("cast")) cast(cast_arguments);
+  else inspect(inspect_arguments);
+  return 0;
+}
+
+int fail(std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::cerr << "shadowcut: " << message << std::endl;
+  return 2;
+}
+
+}  // namespace
+
+}  // namespace shadowcut::cli
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an output that cannot be written, and said so
+  try {
+    return shadowcut::cli::run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return shadowcut::cli::fail("out of memory");
+  } catch (const std::exception& error) {
+    return shadowcut::cli::fail(error.what());
+  }
+}

@@ -1,0 +1,47 @@
+// What the program tells people: issues, a progress bar, and tables.
+#pragma once
+
+#include <chrono>
+#include <shadowcut/io.hpp>
+#include <string>
+#include <vector>
+
+namespace shadowcut::cli {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start);
+
+// A line on standard error for each issue, `most` of them at most, and a line that says how many more there are.
+void list_issues(const Scene& scene, const std::string& file, std::size_t most);
+
+// Columns of text, the first flush left and the others flush right.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> head) : rows_{std::move(head)} {}
+  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  std::string text() const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+std::string significant(double value);  // six digits
+std::string tenths(double value);
+
+// A bar on standard error, from half a second on, if that is a terminal.
+class ProgressBar {
+ public:
+  explicit ProgressBar(bool wanted);
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+  void show(double share);
+
+ private:
+  const bool wanted_;
+  const Clock::time_point start_ = Clock::now();
+  int shown_ = -1;  // in hundredths
+};
+
+}  // namespace shadowcut::cli

@@ -1,0 +1,99 @@
+// Lights and drawings from words; see specs.hpp.
+#include "specs.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+namespace shadowcut::cli {
+
+namespace {
+
+// Finite numbers with commas between them and nothing else; nothing otherwise.
+std::optional<std::vector<double>> parse_numbers(std::string_view text) {
+  std::vector<double> numbers;
+  const char *at = text.data(), *const end = at + text.size();
+  while (true) {
+    double value = 0;
+    const auto [rest, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || !std::isfinite(value)) return std::nullopt;
+    numbers.push_back(value);
+    if (rest == end) return numbers;
+    if (*rest != ',') return std::nullopt;
+    at = rest + 1;
+  }
+}
+
+std::string number_text(double value) {
+  char digits[32];
+  return std::string(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
+
+io::View camera_view(const std::vector<double>& n) {
+  io::View view;
+  view.kind = io::View::Kind::camera;
+  view.eye = Vec3(n[0], n[1], n[2]);
+  view.target = Vec3(n[3], n[4], n[5]);
+  if (n.size() == 7) view.fov = n[6] * std::numbers::pi / 180;
+  return view;
+}
+
+std::optional<io::View> face_view(std::string_view object, std::string_view number, const Scene& scene) {
+  std::uint32_t face = 0;
+  const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), face);
+  if (number.empty() || error != std::errc() || rest != number.data() + number.size()) return std::nullopt;
+  for (const Object& o : scene.objects()) {
+    if (o.name != object) continue;
+    if (face >= o.face_count) throw Error("--svg: object '" + o.name + "' has no face " + std::to_string(face));
+    io::View view;
+    view.kind = io::View::Kind::face;
+    view.face = o.first_face + face;
+    return view;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Light parse_light(const std::string& spec) {
+  const std::size_t colon = spec.find(':');
+  const std::string kind = spec.substr(0, colon);
+  const auto numbers = colon == std::string::npos ? std::nullopt : parse_numbers(std::string_view(spec).substr(colon + 1));
+  if ((kind != "point" && kind != "sun") || !numbers || numbers->size() != 3)
+    throw Error("--light: '" + spec + "' is neither point:x,y,z nor sun:dx,dy,dz");
+  const Vec3 v((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+  const Light light = kind == "point" ? Light::point(v) : Light::directional(v);
+  try {
+    Scene().add(light);  // the scene's own checks
+  } catch (const Error& error) {
+    throw Error("--light: '" + spec + "': " + error.what());
+  }
+  return light;
+}
+
+std::string light_spec(const Light& light) {
+  return (light.kind == Light::Kind::point ? "point:" : "sun:") + number_text(light.at.x()) + "," + number_text(light.at.y()) + "," +
+         number_text(light.at.z());
+}
+
+io::View parse_view(const std::string& spec, const Scene& scene) {
+  const std::size_t colon = spec.rfind(':');
+  const std::string_view before = std::string_view(spec).substr(0, colon);
+  const std::string_view after = colon == std::string::npos ? std::string_view() : std::string_view(spec).substr(colon + 1);
+  if (const auto view = face_view(before, after, scene)) return *view;
+  const auto numbers = parse_numbers(colon == std::string::npos ? std::string_view(spec) : after);
+  if (colon == std::string::npos && numbers && (numbers->size() == 6 || numbers->size() == 7)) return camera_view(*numbers);
+  io::View plan;
+  if (spec == "plan") return plan;
+  if (before == "plan" && numbers && numbers->size() == 1) {
+    plan.cut = numbers->front();
+    return plan;
+  }
+  throw Error("--svg: '" + spec + "' is none of plan, plan:HEIGHT, OBJECT:FACE of this scene, ex,ey,ez,tx,ty,tz[,fov]");
+}
+
+Vec3 parse_axis(const std::string& name) { return name == "x" ? Vec3::UnitX() : name == "y" ? Vec3::UnitY() : Vec3::UnitZ(); }
+
+}  // namespace shadowcut::cli

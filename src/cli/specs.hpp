@@ -1,0 +1,21 @@
+// What the program's arguments say in small languages of their own: lights and drawings.
+#pragma once
+
+#include <shadowcut/io.hpp>
+#include <string>
+
+namespace shadowcut::cli {
+
+// point:x,y,z or sun:dx,dy,dz, three finite numbers and nothing else.
+Light parse_light(const std::string& spec);
+
+// The same language for a light that came otherwise.
+std::string light_spec(const Light& light);
+
+// plan, plan:HEIGHT, OBJECT:FACE or ex,ey,ez,tx,ty,tz[,fov in degrees].
+io::View parse_view(const std::string& spec, const Scene& scene);
+
+// x, y or z.
+Vec3 parse_axis(const std::string& name);
+
+}  // namespace shadowcut::cli

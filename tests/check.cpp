@@ -1,0 +1,371 @@
+// See check.hpp.
+#include "check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <set>
+#include <sstream>
+#include <tuple>
+
+#include "scenes.hpp"
+
+namespace shadowcut::testing {
+namespace {
+
+// Collects the first few complaints.
+class Report {
+ public:
+  template <class... Parts>
+  void add(const Parts&... parts) {
+    if (++count_ > 5) return;
+    text_.precision(17);
+    (text_ << ... << parts) << "\n";
+  }
+  std::string str() const {
+    if (count_ == 0) return {};
+    return text_.str() + (count_ > 5 ? std::to_string(count_ - 5) + " more\n" : "");
+  }
+
+ private:
+  std::ostringstream text_;
+  int count_ = 0;
+};
+
+std::string name_of(const Scene& scene, std::uint32_t face) {
+  const Face& f = scene.faces()[face];
+  return "face " + std::to_string(face) + " (" + scene.objects()[f.object].name + " #" + std::to_string(f.number) + ")";
+}
+
+const char* name_of(Facing facing) {
+  constexpr std::array<const char*, 4> names{"refused", "away", "out_of_reach", "toward"};
+  return names[static_cast<std::size_t>(facing)];
+}
+
+bool receives(const Scene& scene, std::uint32_t face) { return scene.objects()[scene.faces()[face].object].receives; }
+
+Vec3 area_vector(std::span<const Vec3> corners) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 2; i < corners.size(); ++i) sum += (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]);
+  return 0.5 * sum;
+}
+
+double extent(const Scene& scene, const Facet& facet) {
+  double most = 0;
+  for (const Corner& c : scene.corners_of(facet)) most = std::max(most, scene.vertices()[c.vertex].cwiseAbs().maxCoeff());
+  return most;
+}
+
+double diameter(std::span<const Vec3> corners) {
+  double most = 0;
+  for (const Vec3& a : corners)
+    for (const Vec3& b : corners) most = std::max(most, (a - b).norm());
+  return most;
+}
+
+double diameter(const Scene& scene, const Facet& facet) {
+  std::vector<Vec3> corners;
+  for (const Corner& c : scene.corners_of(facet)) corners.push_back(scene.vertices()[c.vertex]);
+  return diameter(corners);
+}
+
+using Bits = std::array<std::uint64_t, 3>;
+Bits bits(const Vec3& v) {
+  Bits b;
+  for (int k = 0; k < 3; ++k) {
+    const double x = v[k] == 0 ? 0.0 : v[k];  // -0 is 0
+    std::memcpy(&b[static_cast<std::size_t>(k)], &x, sizeof x);
+  }
+  return b;
+}
+
+// A random point of a convex polygon, or none when it comes too near to an edge to be beyond doubt.
+std::optional<Vec3> inner_point(std::span<const Vec3> corners, double scale, scenes::Random& random) {
+  Vec3 x = Vec3::Zero();
+  double sum = 0;
+  for (const Vec3& c : corners) {
+    const double w = random.unit() + 1e-3;
+    x += w * c;
+    sum += w;
+  }
+  x /= sum;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec3 &a = corners[i], edge = corners[(i + 1) % corners.size()] - a;
+    if (edge.norm() < 1e-13 * scale) continue;
+    if (edge.cross(x - a).norm() / edge.norm() < 1e-7 * scale) return std::nullopt;
+  }
+  return x;
+}
+
+// All corners of a face with their fragments, for checks within a face.
+struct FaceCorners {
+  std::vector<std::vector<Vec3>> fragments;
+};
+
+std::map<std::uint32_t, FaceCorners> by_face(const Shadows& shadows) {
+  std::map<std::uint32_t, FaceCorners> out;
+  for (const Block& block : shadows.blocks)
+    for (const Fragment& f : block.fragments) {
+      const auto corners = block.corners_of(f);
+      out[f.face].fragments.emplace_back(corners.begin(), corners.end());
+    }
+  return out;
+}
+
+void check_fragment(const Scene& scene, const Light& light, const Shadows& shadows, const Fragment& f, std::span<const Vec3> corners,
+                    Report& report) {
+  if (f.face >= scene.faces().size() || f.facet >= scene.facets().size() || scene.facets()[f.facet].face != f.face)
+    return report.add("a fragment of face ", f.face, ", facet ", f.facet, ": no such face or facet");
+  const Facet& facet = scene.facets()[f.facet];
+  const Plane& plane = scene.planes()[facet.plane];
+  const std::string name = name_of(scene, f.face);
+  if (corners.size() < 3) return report.add(name, ": a fragment of ", corners.size(), " corners");
+  if (!receives(scene, f.face)) report.add(name, ": does not receive, but has a fragment");
+  const bool toward = shadows.areas[f.face].facing == Facing::toward;
+  if (f.lit && f.caster != none) report.add(name, ": a lit fragment with a caster");
+  if (f.lit && !toward) report.add(name, ": a lit fragment of a face that is ", name_of(shadows.areas[f.face].facing));
+  if (!f.lit && f.caster != none) {
+    if (f.caster >= scene.faces().size()) return report.add(name, ": caster out of range");
+    if (!scene.objects()[scene.faces()[f.caster].object].casts) report.add(name, ": caster ", name_of(scene, f.caster), " does not cast");
+    if (f.caster == f.face && scene.faces()[f.face].facet_count == 1) report.add(name, ": is its own caster");
+  }
+  const Vec3 vector = area_vector(corners);
+  const double scale = extent(scene, facet), size = diameter(scene, facet);
+  const Vec3 to_light = light.kind == Light::Kind::point ? Vec3(light.at - plane.point) : Vec3(-light.at);
+  const bool back = toward && plane.normal.dot(to_light) < 0 && scene.objects()[scene.faces()[f.face].object].sides == Sides::open;
+  if (vector.dot(back ? Vec3(-plane.normal) : plane.normal) < -1e-11 * size * (size + scale))
+    report.add(name, ": a fragment runs clockwise");
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec3 &a = corners[i], &b = corners[(i + 1) % corners.size()], &c = corners[(i + 2) % corners.size()];
+    if (!a.allFinite()) return report.add(name, ": a corner is not finite");
+    const double off = std::abs(plane.normal.dot(a - plane.point));
+    if (off > 2 * plane.flatness + 1e-10 * scale) report.add(name, ": a corner lies ", off, " off the plane");
+    const double turn = (b - a).cross(c - b).dot(back ? Vec3(-plane.normal) : plane.normal);
+    if (turn < -1e-10 * size * (size + scale)) report.add(name, ": a fragment is not convex, turn ", turn);
+  }
+}
+
+template <class Fragments, class Corners, class State>
+std::string check_points_of(const Scene& scene, const Fragments& fragments, const Corners& corners_of, const State& lit,
+                            const Oracle& oracle, std::uint64_t seed, int count) {
+  Report report;
+  if (fragments.empty()) return {};
+  scenes::Random random(seed);
+  for (int i = 0; i < count; ++i) {
+    const std::size_t k = random.below(fragments.size());
+    const auto corners = corners_of(k);
+    const auto x = inner_point(corners, std::max(diameter(corners), 1e-3 * extent(scene, scene.facets()[fragments[k].facet])), random);
+    if (!x || oracle.lit(fragments[k].facet, *x) == lit(k)) continue;
+    report.add(name_of(scene, fragments[k].face), ": point (", x->transpose(), ") lies in a ", lit(k) ? "lit" : "shadowed",
+               " fragment, the ray says otherwise");
+  }
+  return report.str();
+}
+
+}  // namespace
+
+double polygon_area(std::span<const Vec3> corners) { return area_vector(corners).norm(); }
+
+std::string check_areas(const Scene& scene, const Shadows& shadows, const Oracle& oracle) {
+  Report report;
+  if (shadows.areas.size() != scene.faces().size()) return "areas are not one for each face\n";
+  for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
+    if (!receives(scene, i)) continue;
+    const FaceArea& got = shadows.areas[i];
+    const Oracle::Area want = oracle.area(i);
+    if (got.facing != want.facing) {
+      if (!want.unsure) report.add(name_of(scene, i), ": is ", name_of(got.facing), ", should be ", name_of(want.facing));
+      continue;
+    }
+    const double tolerance = kAreaTolerance * want.area;
+    if (std::abs(got.area - want.area) > tolerance) report.add(name_of(scene, i), ": area ", got.area, ", should be ", want.area);
+    if (std::abs(got.lit - want.lit) > tolerance)
+      report.add(name_of(scene, i), ": lit area ", got.lit, ", should be ", want.lit, " of ", want.area);
+    if (std::abs(got.lit + got.shadowed - got.area) > 1e-12 * got.area)
+      report.add(name_of(scene, i), ": lit ", got.lit, " and shadowed ", got.shadowed, " do not make ", got.area);
+  }
+  return report.str();
+}
+
+std::string check_same_areas(const Scene& scene, const Shadows& a, const Shadows& b, double tolerance) {
+  Report report;
+  if (a.areas.size() != b.areas.size()) return "different numbers of faces\n";
+  for (std::uint32_t i = 0; i < a.areas.size(); ++i) {
+    const FaceArea &x = a.areas[i], &y = b.areas[i];
+    if (x.facing != y.facing) report.add(name_of(scene, i), ": is ", name_of(x.facing), " and ", name_of(y.facing));
+    if (std::abs(x.lit - y.lit) > tolerance * x.area) report.add(name_of(scene, i), ": lit areas ", x.lit, " and ", y.lit, " of ", x.area);
+  }
+  return report.str();
+}
+
+std::string check_fragments(const Scene& scene, const Light& light, const Shadows& shadows) {
+  Report report;
+  if (shadows.areas.size() != scene.faces().size()) return "areas are not one for each face\n";
+  std::vector<double> lit(scene.faces().size()), shadowed(lit);
+  std::vector<std::set<Bits>> corners_seen(scene.facets().size());
+  std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>> ids;
+  Stats sums;
+  for (const Block& block : shadows.blocks) {
+    for (const Fragment& f : block.fragments) {
+      if (std::size_t{f.first_corner} + f.corner_count > block.corners.size()) return "a fragment's corners are out of range\n";
+      const auto corners = block.corners_of(f);
+      check_fragment(scene, light, shadows, f, corners, report);
+      if (!report.str().empty()) continue;
+      if (!ids.insert({f.id.cell, f.id.piece, f.id.place}).second) report.add(name_of(scene, f.face), ": a fragment id is not unique");
+      (f.lit ? lit : shadowed)[f.face] += polygon_area(corners);
+      for (const Vec3& c : corners) corners_seen[f.facet].insert(bits(c));
+      if (shadows.areas[f.face].facing == Facing::toward) ++(f.lit ? sums.lit_fragments : sums.shadowed_fragments);
+    }
+  }
+  for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
+    const FaceArea& area = shadows.areas[i];
+    if (!receives(scene, i) || area.facing == Facing::refused) continue;
+    if (std::abs(area.lit + area.shadowed - area.area) > 1e-12 * area.area)
+      report.add(name_of(scene, i), ": lit ", area.lit, " and shadowed ", area.shadowed, " do not make ", area.area);
+    if (std::abs(lit[i] - area.lit) > kAreaTolerance * area.area)
+      report.add(name_of(scene, i), ": lit fragments add up to ", lit[i], ", should be ", area.lit, " of ", area.area);
+    if (std::abs(shadowed[i] - area.shadowed) > kAreaTolerance * area.area)
+      report.add(name_of(scene, i), ": shadowed fragments add up to ", shadowed[i], ", should be ", area.shadowed, " of ", area.area);
+    if (area.facing != Facing::toward && area.lit != 0) report.add(name_of(scene, i), ": turned away or out of reach, but lit");
+    const Face& face = scene.faces()[i];
+    for (std::uint32_t k = 0; k < face.facet_count; ++k) {
+      const std::uint32_t facet = face.first_facet + k;
+      for (const Corner& c : scene.corners_of(scene.facets()[facet]))
+        if (!corners_seen[facet].count(bits(scene.vertices()[c.vertex])))
+          report.add(name_of(scene, i), ": vertex ", c.vertex, " is no corner of a fragment");
+    }
+  }
+  double facing_area = 0, lit_area = 0;
+  std::uint64_t facing = 0;
+  for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
+    const FaceArea& a = shadows.areas[i];
+    if (a.facing != Facing::toward || !receives(scene, i)) continue;
+    ++facing;
+    facing_area += a.area;
+    lit_area += a.lit;
+  }
+  const Stats& s = shadows.stats;
+  const bool all_receive = std::all_of(scene.objects().begin(), scene.objects().end(), [](const Object& o) { return o.receives; });
+  if (all_receive) {
+    if (s.facing_faces != facing) report.add("stats: facing_faces ", s.facing_faces, ", should be ", facing);
+    if (std::abs(s.facing_area - facing_area) > 1e-9 * facing_area)
+      report.add("stats: facing_area ", s.facing_area, ", should be ", facing_area);
+    if (std::abs(s.lit_area - lit_area) > 1e-9 * facing_area) report.add("stats: lit_area ", s.lit_area, ", should be ", lit_area);
+    if (s.lit_fragments != sums.lit_fragments) report.add("stats: lit_fragments ", s.lit_fragments, ", should be ", sums.lit_fragments);
+    if (s.shadowed_fragments != sums.shadowed_fragments)
+      report.add("stats: shadowed_fragments ", s.shadowed_fragments, ", should be ", sums.shadowed_fragments);
+  }
+  return report.str();
+}
+
+std::string check_points(const Scene& scene, const Shadows& shadows, const Oracle& oracle, std::uint64_t seed, int count) {
+  struct Where {
+    std::uint32_t face, facet;
+    const Block* block;
+    const Fragment* fragment;
+  };
+  std::vector<Where> all;
+  for (const Block& block : shadows.blocks)
+    for (const Fragment& f : block.fragments)
+      if (shadows.areas[f.face].facing == Facing::toward) all.push_back({f.face, f.facet, &block, &f});
+  return check_points_of(
+      scene, all, [&](std::size_t k) { return all[k].block->corners_of(*all[k].fragment); },
+      [&](std::size_t k) { return all[k].fragment->lit; }, oracle, seed, count);
+}
+
+std::string check_points(const Scene& scene, const LightSets& sets, std::size_t light, const Oracle& oracle, std::uint64_t seed,
+                         int count) {
+  return check_points_of(
+      scene, sets.fragments, [&](std::size_t k) { return sets.corners_of(sets.fragments[k]); },
+      [&](std::size_t k) { return sets.reaches(k, light); }, oracle, seed, count);
+}
+
+std::string check_conforming(const Scene& scene, const Shadows& shadows) {
+  Report report;
+  for (const auto& [face, all] : by_face(shadows)) {
+    std::set<Bits> seen;
+    std::vector<Vec3> corners;
+    for (const auto& fragment : all.fragments)
+      for (const Vec3& c : fragment)
+        if (seen.insert(bits(c)).second) corners.push_back(c);
+    double scale = 0;
+    for (const Vec3& c : corners) scale = std::max(scale, c.cwiseAbs().maxCoeff());
+    for (const auto& fragment : all.fragments) {
+      for (std::size_t i = 0; i < fragment.size(); ++i) {
+        const Vec3 &a = fragment[i], &b = fragment[(i + 1) % fragment.size()];
+        const Vec3 edge = b - a, lo = a.cwiseMin(b).array() - 1e-9 * scale, hi = a.cwiseMax(b).array() + 1e-9 * scale;
+        for (const Vec3& c : corners) {
+          if ((c.array() < lo.array()).any() || (c.array() > hi.array()).any()) continue;
+          const double along = (c - a).dot(edge) / edge.squaredNorm(), margin = 1e-8 * scale / edge.norm();
+          if (along < margin || along > 1 - margin || edge.cross(c - a).norm() / edge.norm() > 1e-13 * scale) continue;
+          report.add(name_of(scene, face), ": corner (", c.transpose(), ") lies within the edge (", a.transpose(), ")-(", b.transpose(),
+                     ")");
+        }
+      }
+    }
+  }
+  return report.str();
+}
+
+std::string check_shared_corners(const Scene& scene, const Shadows& shadows) {
+  Report report;
+  for (const auto& [face, all] : by_face(shadows)) {
+    std::vector<Vec3> corners;
+    double scale = 0;
+    for (const auto& fragment : all.fragments)
+      for (const Vec3& c : fragment) {
+        corners.push_back(c);
+        scale = std::max(scale, c.cwiseAbs().maxCoeff());
+      }
+    std::sort(corners.begin(), corners.end(), [](const Vec3& a, const Vec3& b) { return a.x() < b.x(); });
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      for (std::size_t j = i + 1; j < corners.size() && corners[j].x() - corners[i].x() < 1e-12 * scale; ++j)
+        if ((corners[i] - corners[j]).norm() < 1e-12 * scale && bits(corners[i]) != bits(corners[j]))
+          report.add(name_of(scene, face), ": corners (", corners[i].transpose(), ") and (", corners[j].transpose(),
+                     ") differ in their last bits");
+  }
+  return report.str();
+}
+
+std::vector<double> lit_areas(const Scene& scene, const LightSets& sets, std::size_t light) {
+  std::vector<double> out(scene.faces().size());
+  for (std::size_t k = 0; k < sets.fragments.size(); ++k)
+    if (sets.reaches(k, light)) out[sets.fragments[k].face] += polygon_area(sets.corners_of(sets.fragments[k]));
+  return out;
+}
+
+std::string check_identical(const Shadows& a, const Shadows& b) {
+  Report report;
+  if (a.blocks.size() != b.blocks.size()) return "different numbers of blocks\n";
+  for (std::size_t k = 0; k < a.blocks.size(); ++k) {
+    const Block &x = a.blocks[k], &y = b.blocks[k];
+    if (x.fragments.size() != y.fragments.size() || x.corners.size() != y.corners.size()) {
+      report.add("block ", k, ": different sizes");
+      continue;
+    }
+    for (std::size_t i = 0; i < x.fragments.size(); ++i) {
+      const Fragment &f = x.fragments[i], &g = y.fragments[i];
+      if (f.id != g.id || f.face != g.face || f.facet != g.facet || f.caster != g.caster || f.first_corner != g.first_corner ||
+          f.corner_count != g.corner_count || f.lit != g.lit)
+        report.add("block ", k, ", fragment ", i, " differs");
+    }
+    for (std::size_t i = 0; i < x.corners.size(); ++i)
+      if (std::memcmp(x.corners[i].data(), y.corners[i].data(), 3 * sizeof(double)) != 0)
+        report.add("block ", k, ", corner ", i, " differs");
+  }
+  if (a.areas.size() != b.areas.size()) return "different numbers of areas\n";
+  for (std::size_t i = 0; i < a.areas.size(); ++i)
+    if (a.areas[i].facing != b.areas[i].facing || a.areas[i].area != b.areas[i].area || a.areas[i].lit != b.areas[i].lit ||
+        a.areas[i].shadowed != b.areas[i].shadowed)
+      report.add("area of face ", i, " differs");
+  const auto counts = [](const Stats& s) {
+    return std::array{s.faces,    s.facing_faces, s.facets, s.lit_fragments,  s.shadowed_fragments, s.cells, s.nodes,
+                      s.sp_nodes, s.pp_nodes,     s.pieces, s.crossing_lines, s.predicates,         s.on,    s.depth};
+  };
+  if (counts(a.stats) != counts(b.stats)) report.add("statistics differ");
+  return report.str();
+}
+
+}  // namespace shadowcut::testing

@@ -1,0 +1,46 @@
+// What every test of shadows asks of a result. Each check returns an empty string, or says what is wrong; none looks inside the engine.
+#pragma once
+
+#include <cstdint>
+#include <shadowcut/scene.hpp>
+#include <shadowcut/shadows.hpp>
+#include <string>
+
+#include "oracle.hpp"
+
+namespace shadowcut::testing {
+
+// Lit areas agree to this share of a face's area.
+inline constexpr double kAreaTolerance = 1e-9;
+
+// Facing, area and lit area of every face against the oracle.
+std::string check_areas(const Scene& scene, const Shadows& shadows, const Oracle& oracle);
+
+// Every face's lit area in two results of one scene. The scene's facing may not differ either.
+std::string check_same_areas(const Scene& scene, const Shadows& a, const Shadows& b, double tolerance = kAreaTolerance);
+
+// The fragments: they name their faces, are convex and run counter-clockwise seen from the light, lie in their planes, add up to the faces'
+// areas, have unique ids, name a caster that casts iff they are shadowed; every vertex of a facet is a corner of a fragment, to the bit;
+// the statistics add up.
+std::string check_fragments(const Scene& scene, const Light& light, const Shadows& shadows);
+
+// Random points well inside fragments against the oracle's ray through every facet.
+std::string check_points(const Scene& scene, const Shadows& shadows, const Oracle& oracle, std::uint64_t seed, int count);
+std::string check_points(const Scene& scene, const LightSets& sets, std::size_t light, const Oracle& oracle, std::uint64_t seed, int count);
+
+// No corner of a fragment lies within an edge of another fragment of its face.
+std::string check_conforming(const Scene& scene, const Shadows& shadows);
+
+// Corners of one face that are equal up to rounding are equal to the bit. For scenes in general position only: where three lines meet
+// in a point by construction, it may be computed from either two of them.
+std::string check_shared_corners(const Scene& scene, const Shadows& shadows);
+
+// Areas of a partition by several lights: of each face, the part light k reaches.
+std::vector<double> lit_areas(const Scene& scene, const LightSets& sets, std::size_t light);
+
+// Equal to the bit, statistics of time aside.
+std::string check_identical(const Shadows& a, const Shadows& b);
+
+double polygon_area(std::span<const Vec3> corners);
+
+}  // namespace shadowcut::testing

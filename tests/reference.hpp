@@ -1,0 +1,25 @@
+// The shipped scenes and their reference areas (data/).
+#pragma once
+
+#include <shadowcut/scene.hpp>
+#include <string>
+#include <vector>
+
+namespace shadowcut::testing {
+
+struct ReferenceScene {
+  std::string name;  // "room1"
+  std::string path;  // of its OBJ
+  Light light;
+};
+std::vector<ReferenceScene> reference_scenes(const std::string& data_folder);  // those of scenes.json
+
+struct ReferenceArea {
+  std::string light, object;
+  std::uint32_t face;
+  double area, lit;
+};
+std::string areas_path(const std::string& data_folder, const std::string& name);
+std::vector<ReferenceArea> read_areas(const std::string& path);
+
+}  // namespace shadowcut::testing

@@ -1,0 +1,475 @@
+// The engine against the exact oracle, face by face and point by point: named geometries first, random scenes after.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "check.hpp"
+#include "random_scenes.hpp"
+
+namespace shadowcut::testing {
+namespace {
+
+using scenes::rectangle;
+using scenes::SceneData;
+
+// Everything that can be asked of one light's shadows.
+void expect_right(const Scene& scene, const Light& light, const Options& options = {}, bool only_facing = false) {
+  const Shadows shadows = cast_shadows(scene, light, options);
+  const Oracle oracle(scene, light, only_facing);
+  EXPECT_EQ(check_areas(scene, shadows, oracle), "");
+  EXPECT_EQ(check_fragments(scene, light, shadows), "");
+  EXPECT_EQ(check_points(scene, shadows, oracle, 1, 50), "");
+}
+
+struct Stage {
+  Scene scene;
+  std::uint32_t add(const Mesh& mesh, ObjectSettings settings = {}) { return scene.objects()[scene.add(mesh, settings)].first_face; }
+  std::uint32_t add(const Mesh& mesh, Sides sides) {
+    ObjectSettings settings;
+    settings.sides = sides;
+    return add(mesh, settings);
+  }
+  std::uint32_t ground(double half = 4) { return add(rectangle({-half, -half, 0}, {2 * half, 0, 0}, {0, 2 * half, 0})); }
+};
+
+Mesh triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  Mesh mesh;
+  mesh.vertices = {a, b, c};
+  mesh.add_face({0, 1, 2});
+  return mesh;
+}
+
+TEST(Shadows, EmptyScene) {
+  const Shadows shadows = cast_shadows(Scene(), Light::point({0, 0, 1}));
+  EXPECT_TRUE(shadows.areas.empty());
+  EXPECT_EQ(shadows.stats.lit_fragments, 0u);
+}
+
+TEST(Shadows, LoneFaceStaysWhole) {
+  Stage s;
+  const auto ground = s.ground();
+  const Light light = Light::point({0.3, 0.2, 2});
+  const Shadows shadows = cast_shadows(s.scene, light);
+  EXPECT_EQ(shadows.areas[ground].lit, 64);
+  EXPECT_EQ(shadows.stats.lit_fragments, 1u);
+  expect_right(s.scene, light);
+}
+
+TEST(Shadows, SquareOverGroundNamesItsCaster) {
+  Stage s;
+  const auto ground = s.ground();
+  const auto sheet = s.add(rectangle({-0.5, -0.5, 1}, {1, 0, 0}, {0, 1, 0}));
+  const Light light = Light::point({0.125, -0.25, 2});
+  const Shadows shadows = cast_shadows(s.scene, light);
+  EXPECT_NEAR(shadows.areas[ground].lit, 60, 1e-9);
+  for (const Block& block : shadows.blocks)
+    for (const Fragment& f : block.fragments) EXPECT_EQ(f.caster, f.lit ? none : sheet);
+  expect_right(s.scene, light);
+}
+
+TEST(Shadows, LightOnCasterPlane) {
+  Stage s;
+  s.ground();
+  const auto fence = s.add(rectangle({-1, 0, 0}, {2, 0, 0}, {0, 0, 1}));
+  const Light light = Light::point({0.5, 0, 3});
+  EXPECT_EQ(cast_shadows(s.scene, light).areas[fence].facing, Facing::away);
+  expect_right(s.scene, light);
+  expect_right(s.scene, Light::directional({1, 0, -1}));
+}
+
+TEST(Shadows, LightOnReceiverPlane) {
+  Stage s;
+  s.ground();
+  s.add(scenes::box({-1, -1, 0}, {1, 1, 1}));
+  expect_right(s.scene, Light::point({3, 0.5, 0}));
+  expect_right(s.scene, Light::directional({1, 0.5, 0}));
+}
+
+TEST(Shadows, LightOnEdgesExtension) {
+  Stage s;
+  s.ground();
+  s.add(scenes::box({-1, -1, 1}, {1, 1, 2}));
+  expect_right(s.scene, Light::point({1, 1, 4}));  // above an upright edge: two sides edge-on
+  expect_right(s.scene, Light::point({3, 1, 2}));  // beyond a level edge
+}
+
+TEST(Shadows, LightStandsOnATable) {
+  Stage s;
+  s.ground();
+  s.add(scenes::box({-1, -1, 0.5}, {1, 1, 1}));
+  expect_right(s.scene, Light::point({0.25, 0.125, 1}));  // within the table's top: it is edge-on, the table still casts
+}
+
+TEST(Shadows, LightAtAVertex) {
+  Stage s;
+  s.ground();
+  s.add(scenes::box({-1, -1, 1}, {1, 1, 2}));
+  expect_right(s.scene, Light::point({1, 1, 2}));
+  expect_right(s.scene, Light::point({1, 1, 1}));
+  expect_right(s.scene, Light::point({1, 0, 2}));  // within an edge
+}
+
+TEST(Shadows, LightInAClosedBox) {
+  Stage s;
+  const auto ground = s.ground();
+  const auto inner = s.add(rectangle({-0.25, -0.25, 1.25}, {0.5, 0, 0}, {0, 0.5, 0}));
+  s.add(scenes::box({-1, -1, 1}, {1, 1, 2}));
+  const Light light = Light::point({0.1, 0.2, 1.5});
+  const Shadows shadows = cast_shadows(s.scene, light);
+  EXPECT_EQ(shadows.areas[ground].lit, 0);
+  EXPECT_EQ(shadows.areas[inner].lit, 0.25);
+  expect_right(s.scene, light);
+}
+
+TEST(Shadows, LightInTwoClosedBoxes) {
+  Stage s;
+  s.ground();
+  s.add(scenes::box({-1, -1, 1}, {1, 1, 2}));
+  s.add(scenes::box({-0.5, -2, 0.5}, {2, 0.5, 1.75}));
+  expect_right(s.scene, Light::point({0.1, 0.2, 1.5}));
+  expect_right(s.scene, Light::point({1.5, 0.2, 1.5}));  // in one of them
+}
+
+TEST(Shadows, LightInAnOpenBoxIsARoom) {
+  Stage s;
+  const auto ground = s.ground();
+  const auto box = s.add(scenes::box({-1, -1, 1}, {1, 1, 2}), Sides::open);
+  const Light light = Light::point({0.1, 0.2, 1.5});
+  const Shadows shadows = cast_shadows(s.scene, light);
+  EXPECT_EQ(shadows.areas[ground].lit, 0);
+  for (std::uint32_t k = 0; k < 6; ++k) EXPECT_EQ(shadows.areas[box + k].lit, shadows.areas[box + k].area);
+  expect_right(s.scene, light);
+}
+
+TEST(Shadows, FaceBehindTheLightCastsNothing) {
+  Stage s;
+  const auto ground = s.ground();
+  s.add(rectangle({-9, -9, 3}, {18, 0, 0}, {0, 18, 0}));
+  const Light light = Light::point({0.1, 0.3, 2});
+  EXPECT_EQ(cast_shadows(s.scene, light).areas[ground].lit, 64);
+  expect_right(s.scene, light);
+}
+
+TEST(Shadows, FacePassesTheLightOnBothSides) {
+  Stage s;
+  s.ground();
+  s.add(rectangle({1, -5, -5}, {0, 10, 0}, {0, 0, 10}));  // higher than the light, and through the ground
+  s.add(rectangle({-2, -1, -1}, {0, 2, 0}, {1, 0, 4}));
+  expect_right(s.scene, Light::point({0.1, 0.3, 2}));
+}
+
+TEST(Shadows, CastersShareAnEdge) {
+  Stage s;
+  const auto ground = s.ground();
+  Mesh roof;
+  roof.vertices = {{-1, -1, 1}, {0, -1, 1.5}, {1, -1, 1}, {-1, 1, 1}, {0, 1, 1.5}, {1, 1, 1}};
+  roof.add_face({0, 1, 4, 3});
+  roof.add_face({1, 2, 5, 4});
+  s.add(roof);
+  for (const Vec3& at : {Vec3(0, 0, 4), Vec3(3, 1, 3), Vec3(0.5, 0, 1.75)}) {
+    SCOPED_TRACE(at.transpose());
+    expect_right(s.scene, Light::point(at));
+  }
+  const Shadows shadows = cast_shadows(s.scene, Light::directional({0, 0, -1}));
+  EXPECT_EQ(shadows.areas[ground].shadowed, 4);  // no light leaks through the ridge
+}
+
+TEST(Shadows, CastersMeetInAVertex) {
+  Stage s;
+  s.ground();
+  s.add(triangle({0, 0, 1}, {1, 0, 1.5}, {0, 1, 1.25}));
+  s.add(triangle({0, 0, 1}, {-1, 0, 1.5}, {0, -1, 1.25}));
+  expect_right(s.scene, Light::point({0, 0, 3}));
+  expect_right(s.scene, Light::point({0.7, 0.3, 3}));
+}
+
+TEST(Shadows, CrossingFaces) {
+  Stage s;
+  const auto flat = s.add(rectangle({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}));
+  const auto steep = s.add(rectangle({-1, -0.5, -1}, {0, 1, 0}, {2, 0, 2}));
+  const Light light = Light::directional({0, 0, -1});
+  const Shadows shadows = cast_shadows(s.scene, light);
+  EXPECT_NEAR(shadows.areas[flat].lit, 3, 1e-12);
+  EXPECT_NEAR(shadows.areas[steep].lit, shadows.areas[steep].area / 2, 1e-12);
+  EXPECT_GT(shadows.stats.crossing_lines, 0u);
+  expect_right(s.scene, light);
+  expect_right(s.scene, Light::point({0.3, 0.4, 2}));
+}
+
+TEST(Shadows, ThreeFacesCrossInAPoint) {
+  Stage s;
+  s.add(rectangle({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}));
+  s.add(rectangle({0, -1, -1}, {0, 2, 0}, {0, 0, 2}));
+  s.add(rectangle({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}));
+  expect_right(s.scene, Light::point({2, 3, 4}));
+  expect_right(s.scene, Light::directional({-1, -1, -1}));
+}
+
+TEST(Shadows, CrossingFacesAboveAThird) {
+  Stage s;
+  s.ground();
+  s.add(rectangle({-1, -1, 1}, {2, 0, 0.5}, {0, 2, 0}));
+  s.add(rectangle({-1, -0.5, 1.75}, {2, 0, -1}, {0, 1, 0}));
+  s.add(rectangle({-0.5, -1, 1.1}, {1, 0, 0.1}, {0.2, 2, 0.7}));
+  expect_right(s.scene, Light::point({0.3, 0.4, 5}));
+}
+
+TEST(Shadows, CoplanarPosterNeitherCastsNorIsShadowed) {
+  Stage s;
+  const auto wall = s.add(rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
+  const auto poster = s.add(rectangle({1, 1, 0}, {1, 0, 0}, {0, 1, 0}));
+  s.add(rectangle({1, 1, 0}, {1, 0, 0}, {0, 1, 0}));  // and once more the same
+  for (const Light& light : {Light::point({1, 2, 3}), Light::point({1, 2, -3}), Light::directional({1, 1, 1})}) {
+    const Shadows shadows = cast_shadows(s.scene, light);
+    EXPECT_EQ(shadows.areas[wall].lit, 16);
+    EXPECT_EQ(shadows.areas[poster].lit, 1);
+    expect_right(s.scene, light);
+  }
+}
+
+TEST(Shadows, TiltedPosterTouchesUpToRounding) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    scenes::Random random(seed);
+    Pose pose = Pose::Identity();
+    pose.rotate(Eigen::AngleAxisd(3 * random.unit(), random.in_ball(1).normalized()));
+    pose.pretranslate(random.in_cube(-1, 1));
+    ObjectSettings settings;
+    settings.pose = pose;
+    Stage s;
+    const auto wall = s.add(rectangle({-1, -1, 0}, {3, 0, 0}, {0, 3, 0}), settings);
+    const auto poster = s.add(rectangle({random.unit(), random.unit(), 0}, {0.3, 0.1, 0}, {-0.1, 0.3, 0}), settings);
+    const Light light = Light::point(pose * Vec3(0.4, 0.3, 2));
+    const Shadows shadows = cast_shadows(s.scene, light);
+    EXPECT_NEAR(shadows.areas[wall].lit, 9, 9e-9);
+    EXPECT_NEAR(shadows.areas[poster].lit, 0.1, 1e-10);
+    expect_right(s.scene, light);
+  }
+}
+
+TEST(Shadows, PosterAHairAboveTheWallCasts) {
+  Stage s;
+  const auto wall = s.ground();
+  s.add(rectangle({1, 1, 1e-8}, {1, 0, 0}, {0, 1, 0}));
+  const Shadows shadows = cast_shadows(s.scene, Light::directional({0, 0, -1}));
+  EXPECT_NEAR(shadows.areas[wall].shadowed, 1, 1e-9);
+}
+
+TEST(Shadows, VertexOneUlpOffPlane) {
+  for (const double start : {0.0, 1.0, 2.5}) {
+    for (const double to : {-10.0, 10.0}) {
+      Stage s;
+      s.add(rectangle({-4, -4, start}, {8, 0, 0}, {0, 8, 0}));
+      const double z = std::nextafter(start, to);
+      s.add(triangle({0, 0, z}, {1, 0, start}, {0, 1, start}));
+      s.add(triangle({-1, -1, z}, {-2, -1, start + 1}, {-1, -2, start + 1}));
+      s.add(rectangle({1, -1, z}, {1, 0, 0}, {0, -1, 1}));
+      expect_right(s.scene, Light::point({0.3, 0.2, 5}));
+      expect_right(s.scene, Light::point({0.3, 0.2, z}));
+      expect_right(s.scene, Light::directional({0.3, 0.2, -1}));
+    }
+  }
+}
+
+TEST(Shadows, ShadowEdgeOnReceiverEdge) {
+  Stage s;
+  s.ground(2);
+  s.add(rectangle({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}));  // from (0,0,2) its shadow is the ground, to the edge
+  expect_right(s.scene, Light::point({0, 0, 2}));
+  s.add(rectangle({-1, -1, 1}, {1, 0, 0}, {0, 1, 0.5}));
+  expect_right(s.scene, Light::point({0, 0, 2}));
+}
+
+TEST(Shadows, IdenticalFacesOneBehindTheOther) {
+  Stage s;
+  s.ground();
+  for (double z = 0.5; z < 3; z += 0.5) s.add(rectangle({-1, -1, z}, {2, 0, 0}, {0, 2, 0}));
+  expect_right(s.scene, Light::directional({0, 0, -1}));
+  expect_right(s.scene, Light::directional({0, 0, 1}));
+  expect_right(s.scene, Light::point({0, 0, 4}));
+}
+
+TEST(Shadows, SameSolidTwice) {
+  Stage s;
+  s.ground();
+  s.add(scenes::box({-1, -1, 0}, {1, 1, 1}));
+  s.add(scenes::box({-1, -1, 0}, {1, 1, 1}));
+  expect_right(s.scene, Light::point({2, 3, 4}));
+}
+
+TEST(Shadows, ConcaveCasterWithHoles) {
+  Stage s;
+  s.ground(8);
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 2}, {4, 0, 2}, {4, 4, 2}, {0, 4, 2}, {1, 1, 2}, {3, 1, 2}, {3, 3, 2}, {1, 3, 2}};
+  mesh.add_face({0, 1, 2, 3});
+  constexpr std::array<std::uint32_t, 4> hole{4, 7, 6, 5};
+  mesh.add_hole(hole);
+  const auto frame = s.add(mesh);
+  EXPECT_DOUBLE_EQ(s.scene.faces()[frame].area, 12);
+  const Shadows shadows = cast_shadows(s.scene, Light::directional({0, 0, -1}));
+  EXPECT_NEAR(shadows.areas[0].shadowed, 12, 1e-12);
+  expect_right(s.scene, Light::point({2, 1, 5}));
+  expect_right(s.scene, Light::directional({1, 2, -3}));
+}
+
+TEST(Shadows, NonFlatFaceShadowsItself) {
+  Stage s;
+  Mesh mesh;  // a tent along one diagonal; the light low on one side
+  mesh.vertices = {{0, 0, 0}, {1, 0, 1}, {1, 1, 0}, {0, 1, 1}};
+  mesh.add_face({0, 1, 2, 3});
+  s.add(mesh);
+  ASSERT_EQ(s.scene.issues().size(), 1u);
+  expect_right(s.scene, Light::point({4, 3.5, 0.7}));
+  expect_right(s.scene, Light::point({0.3, 0.4, 3}));
+}
+
+TEST(Shadows, CastsAndReceives) {
+  Stage s;
+  const auto ground = s.ground();
+  ObjectSettings ghost, mask;
+  ghost.casts = false;
+  mask.receives = false;
+  const auto ghost_face = s.add(rectangle({-2, -1, 1}, {1, 0, 0}, {0, 1, 0}), ghost);
+  const auto mask_face = s.add(rectangle({1, -1, 1}, {1, 0, 0}, {0, 1, 0}), mask);
+  s.add(rectangle({-2, -1, 2}, {0.5, 0, 0}, {0, 0.5, 0}));
+  const Light light = Light::directional({0, 0, -1});
+  const Shadows shadows = cast_shadows(s.scene, light);
+  EXPECT_NEAR(shadows.areas[ground].shadowed, 1 + 0.25, 1e-12);
+  EXPECT_NEAR(shadows.areas[ghost_face].shadowed, 0.25, 1e-12);
+  for (const Block& block : shadows.blocks)
+    for (const Fragment& f : block.fragments) {
+      EXPECT_NE(f.face, mask_face);
+      EXPECT_NE(f.caster, ghost_face);
+    }
+  expect_right(s.scene, light);
+  expect_right(s.scene, Light::point({0.2, 0.3, 3}));
+}
+
+TEST(Shadows, RangeLeavesFarFacesOut) {
+  Stage s;
+  const auto near = s.ground(1);
+  const auto far = s.add(rectangle({8, -1, 0}, {2, 0, 0}, {0, 2, 0}));
+  Light light = Light::point({0, 0, 2});
+  light.range = 3;
+  const Shadows shadows = cast_shadows(s.scene, light);
+  EXPECT_EQ(shadows.areas[near].facing, Facing::toward);
+  EXPECT_EQ(shadows.areas[far].facing, Facing::out_of_reach);
+  EXPECT_EQ(shadows.areas[far].shadowed, 4);
+  expect_right(s.scene, light);
+}
+
+TEST(Shadows, RangeAndConeOnRandomScenes) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const SceneData data = random_scene(seed % 2 ? Kind::soup : Kind::outlines, 5000 + seed);
+    SCOPED_TRACE(data.name);
+    scenes::Random random(seed);
+    Light light = Light::point(random.in_cube(-2, 2) + Vec3(0, 0, 3));
+    if (seed % 3 != 0) light.range = random.in(0.5, 4);
+    if (seed % 3 != 1) light.spot = Light::Spot{random.in_ball(1) - Vec3(0, 0, 0.5), random.in(0.05, 3.1)};
+    expect_right(scenes::build(data), light, {}, true);
+  }
+}
+
+TEST(Shadows, TinyAndHugeScenes) {
+  for (const double factor : {1e-9, 1e-4, 3e3, 1e9}) {
+    for (const Kind kind : kAllKinds) {
+      for (std::uint64_t seed = 0; seed < 3; ++seed) {
+        const SceneData data = scaled(random_scene(kind, 7000 + seed), factor);
+        SCOPED_TRACE(data.name + ", times " + std::to_string(factor));
+        expect_right(scenes::build(data), data.light);
+      }
+    }
+  }
+}
+
+TEST(Shadows, FarFromTheOrigin) {
+  for (const Kind kind : {Kind::solids, Kind::grid_boxes, Kind::room}) {
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+      const SceneData data = scaled(random_scene(kind, 7100 + seed), 1, {4096, -8192, 1024});
+      SCOPED_TRACE(data.name);
+      expect_right(scenes::build(data), data.light);
+    }
+  }
+}
+
+// Random scenes of every kind, several lights each.
+class RandomScenes : public ::testing::TestWithParam<Kind> {};
+
+TEST_P(RandomScenes, MatchTheOracle) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const SceneData data = random_scene(GetParam(), seed);
+    SCOPED_TRACE(data.name);
+    Options options;
+    options.facets_per_cell = seed % 3 == 0 ? 4 : seed % 3 == 1 ? 64 : 0;
+    options.form = static_cast<Form>(seed % 3);
+    const Scene scene = scenes::build(data);
+    scenes::Random random(seed);
+    expect_right(scene, data.light, options);
+    expect_right(scene, random_light(GetParam(), random), options);
+    if (HasFailure()) break;
+  }
+}
+
+TEST_P(RandomScenes, MatchTheOracleAsOpenSheetsThatCastOrNot) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    SceneData data = random_scene(GetParam(), 3000 + seed);
+    SCOPED_TRACE(data.name);
+    scenes::Random random(seed);
+    for (auto& object : data.objects) {
+      if (random.below(2) == 0) object.second.sides = Sides::open;
+      object.second.casts = random.below(4) != 0;
+      object.second.receives = random.below(4) != 0;
+      object.second.moves = random.below(4) == 0;
+    }
+    expect_right(scenes::build(data), data.light);
+    if (HasFailure()) break;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, RandomScenes, ::testing::ValuesIn(kAllKinds),
+                         [](const auto& info) { return std::string(name_of(info.param)); });
+
+// The generated scenes as they stand in memory (those with files are in reference_test.cpp, against shipped areas).
+TEST(GeneratedScenes, FurnishedRoom) {
+  const SceneData data = scenes::furnished_room();
+  const Scene scene = scenes::build(data);
+  EXPECT_EQ(cast_shadows(scene, data.light).stats.facing_faces, 344u);
+  expect_right(scene, data.light);
+}
+
+TEST(GeneratedScenes, Rooms) {
+  for (int level = 1; level <= 2; ++level) {
+    const SceneData data = scenes::room(level);
+    SCOPED_TRACE(data.name);
+    expect_right(scenes::build(data), data.light);
+    expect_right(scenes::build(data), Light::directional({0.4, 0.3, -1}));
+    expect_right(scenes::build(data), Light::point({3, 2.5, 0.73}));  // at the height of the desk tops
+  }
+}
+
+TEST(GeneratedScenes, Tetrahedra) {
+  for (int depth = 2; depth <= 3; ++depth) {
+    const SceneData data = scenes::tetrahedron(depth);
+    SCOPED_TRACE(data.name);
+    expect_right(scenes::build(data), data.light);
+    expect_right(scenes::build(data), Light::point({0, 0, 3}));  // on the axis of symmetry: shadows meet in edges and corners
+    expect_right(scenes::build(data), Light::directional({0, 0, -1}));
+  }
+}
+
+TEST(GeneratedScenes, CityUnderTheSunAlongItsStreets) {
+  const SceneData data = scenes::city(6);
+  for (const Vec3& travel : {Vec3(1, 0, -1), Vec3(0, -1, -0.5), Vec3(0, 0, -1), Vec3(1, 1, -1)})
+    expect_right(scenes::build(data), Light::directional(travel));
+}
+
+TEST(GeneratedScenes, TrianglesAndBranch) {
+  for (const SceneData& data : {scenes::triangles(120), scenes::branch(2)}) {
+    SCOPED_TRACE(data.name);
+    expect_right(scenes::build(data), data.light);
+  }
+}
+
+}  // namespace
+}  // namespace shadowcut::testing
