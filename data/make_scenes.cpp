@@ -19,9 +19,12 @@ std::string digits(double x) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
 }
 
+std::string spec(const shadowcut::Light& light) {
+  return "point:" + digits(light.at.x()) + "," + digits(light.at.y()) + "," + digits(light.at.z());
+}
+
 std::string obj(const SceneData& data) {
-  std::string text = "# " + data.name + ", made by make_scenes; light " + "point:" + digits(data.light.at.x()) + "," +
-                     digits(data.light.at.y()) + "," + digits(data.light.at.z()) + "\n";
+  std::string text = "# " + data.name + ", made by make_scenes; light " + spec(data.light) + "\n";
   std::size_t base = 1;
   for (const auto& [mesh, settings] : data.objects) {
     text += "o " + settings.name + "\n";
@@ -65,21 +68,19 @@ int main(int argc, char** argv) {
   const SceneData all[] = {make::room(1),           make::room(2),        make::room(3),        make::room(4),
                            make::tetrahedron(2),    make::tetrahedron(3), make::tetrahedron(4), make::city(8),
                            make::spheres(5, 12, 8), make::triangles(200), make::branch(3)};
-  std::string index = "{\n";
+  std::string index;
   for (const SceneData& data : all) {
     if (has_holes(data)) {
       std::cerr << data.name << ": OBJ has no holes\n";
       return 1;
     }
     const std::string file = data.name + ".obj";
-    const Vec3& at = data.light.at;
     if (!write(folder + "/" + file, obj(data))) {
       std::cerr << "cannot write " << folder << "/" << file << "\n";
       return 2;
     }
-    index += (index.size() > 2 ? ",\n" : "") +
-             ("  \"" + file + "\": {\"light\": \"point:" + digits(at.x()) + "," + digits(at.y()) + "," + digits(at.z())) +
-             "\", \"polygons\": " + std::to_string(polygon_count(data)) + "}";
+    index += index.empty() ? "{\n" : ",\n";
+    index += "  \"" + file + "\": {\"light\": \"" + spec(data.light) + "\", \"polygons\": " + std::to_string(polygon_count(data)) + "}";
     std::printf("%-16s %6zu polygons\n", data.name.c_str(), polygon_count(data));
   }
   return write(folder + "/scenes.json", index + "\n}\n") ? 0 : 2;

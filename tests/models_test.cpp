@@ -1,7 +1,7 @@
 // Real models, from Debian's assimp-testmodels and glmark2-data: read, cast, and held against the oracle on a sample of faces.
-#include <filesystem>
-
 #include <gtest/gtest.h>
+
+#include <filesystem>
 #include <shadowcut/io.hpp>
 
 #include "check.hpp"
@@ -22,7 +22,8 @@ class RealModel : public ::testing::TestWithParam<Model> {};
 Light lamp_over(const Scene& scene) {
   Eigen::AlignedBox3d box;
   for (const Vec3& v : scene.vertices()) box.extend(v);
-  return Light::point(box.center() + Vec3(0.7131, 0.4177, 1.3519).cwiseProduct(box.sizes()) + 0.017 * box.diagonal().norm() * Vec3(1, 2, 3));
+  return Light::point(box.center() + Vec3(0.7131, 0.4177, 1.3519).cwiseProduct(box.sizes()) +
+                      0.017 * box.diagonal().norm() * Vec3(1, 2, 3));
 }
 
 TEST_P(RealModel, MatchesTheOracle) {

@@ -14,7 +14,8 @@ using scenes::rectangle;
 std::uint32_t add(Scene& scene, const Mesh& mesh, Sides sides = Sides::automatic) {
   ObjectSettings settings;
   settings.sides = sides;
-  return scene.objects()[scene.add(mesh, settings)].first_face;
+  const std::uint32_t object = scene.add(mesh, settings);
+  return scene.objects()[object].first_face;
 }
 
 TEST(Oracle, SquareHalfwayUpShadowsFourTimesItsArea) {

@@ -26,7 +26,8 @@ Light parse_point(const std::string& spec) {
 std::vector<ReferenceScene> reference_scenes(const std::string& data_folder) {
   std::ifstream in(data_folder + "/scenes.json");
   std::vector<ReferenceScene> out;
-  for (const auto& [file, entry] : nlohmann::json::parse(in).items())
+  const nlohmann::json index = nlohmann::json::parse(in);
+  for (const auto& [file, entry] : index.items())
     out.push_back({file.substr(0, file.rfind('.')), data_folder + "/" + file, parse_point(entry.at("light").get<std::string>())});
   return out;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <shadowcut/shadows.hpp>
 
 #include "random_scenes.hpp"
 #include "scenes.hpp"

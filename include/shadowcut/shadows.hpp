@@ -27,7 +27,7 @@ enum class Kernel : std::uint8_t {
 
 enum class Form : std::uint8_t {
   pieces,      // as they lie in the tree
-  merged,      // siblings of one face, one state and one caster reunited (Slater 1992, figure 6)
+  merged,      // siblings of one face and one state reunited (Slater 1992, figure 6): both lit, or shadowed by faces of one object
   conforming,  // merged, and every corner of a fragment that lies on an edge of another fragment of its face is a corner there too
 };
 
@@ -44,7 +44,7 @@ struct Options {
   Order order = Order::solid_angle;
   std::uint64_t seed = 0;
   unsigned threads = 0;                // 0: one for each processor; the result does not depend on it
-  std::uint32_t facets_per_cell = 64;  // the balanced prefix stops dividing light space at about this many; 0: no prefix
+  std::uint32_t facets_per_cell = 128;  // the balanced prefix stops dividing light space at about this many; 0: no prefix
   std::function<void(double)> progress;  // called now and then, from any thread but one at a time, with the share of the work done, 0 to 1
 };
 
@@ -58,7 +58,9 @@ struct Fragment {
   FragmentId id;
   std::uint32_t face;    // index into Scene::faces()
   std::uint32_t facet;   // index into Scene::facets(); a fragment never spans two
-  std::uint32_t caster;  // lit: none; shadowed: the face that casts, the nearest to the light the tree knows of; none for a side turned away
+  // Lit: none. Shadowed: the face that casts (CS95's: the one whose PP-node it lies behind, or the nearest in front of it); in the merged
+  // and conforming forms, where several faces of one object cast on a fragment, one of them. none for a side turned away.
+  std::uint32_t caster;
   std::uint32_t first_corner;  // into its block's corners
   std::uint32_t corner_count;
   bool lit;

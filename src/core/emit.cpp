@@ -36,7 +36,8 @@ class CellEmitter {
  public:
   CellEmitter(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target, Workspace& w, CellOutput& out)
       : tree_(tree), cell_(cell), target_(target), w_(w), out_(out), nodes_(tree.nodes()), pieces_(tree.pieces()) {
-    if (merge) find_states();
+    merge_ = merge;
+    if (merge_) find_states();
   }
 
   void run() {
@@ -58,13 +59,26 @@ class CellEmitter {
         emit_piece(p, none, piece.kind == Piece::Kind::at_leaf ? lit_state : owner_face(piece.place));
       }
     }
+    release();
   }
 
  private:
+  struct Held {
+    std::uint32_t first, count;  // into held_corners_
+    std::uint32_t piece, place, state;
+  };
+
   std::uint32_t face_of(std::uint32_t facet) const { return target_.scene.facets()[facet].face; }
   std::uint32_t owner_face(std::uint32_t pp) const { return face_of(pieces_[nodes_[pp].id].facet); }
   std::uint32_t state_of(Child c) const {
     return c.is_out() ? lit_state : c.is_pp() ? owner_face(c.node()) : states_.empty() ? mixed_state : states_[c.node()];
+  }
+
+  // Whether fragments in these states may be handed out as one: both lit, or both shadowed by faces of one object.
+  bool alike(std::uint32_t a, std::uint32_t b) const {
+    if (a == b) return true;
+    if (a >= mixed_state || b >= mixed_state) return false;
+    return target_.scene.faces()[a].object == target_.scene.faces()[b].object;
   }
 
   // By SP-node: the one state of everything below, or mixed. Children come after their parents, so one pass backwards settles all.
@@ -72,7 +86,7 @@ class CellEmitter {
     states_.resize(nodes_.size(), mixed_state);
     for (std::size_t i = nodes_.size(); i-- > 0;) {
       const std::uint32_t a = state_of(nodes_[i].child[0]);
-      if (a == state_of(nodes_[i].child[1])) states_[i] = a;  // for a PP-node this means nothing, and is never asked
+      if (alike(a, state_of(nodes_[i].child[1]))) states_[i] = a;  // for a PP-node this means nothing, and is never asked
     }
   }
 
@@ -97,7 +111,7 @@ class CellEmitter {
           w_.pending.push_back(cut_off);
         }
       }
-      emit_polygon(cone->facet, cone->count, piece, place, state, [cone](std::uint32_t i) {
+      hold(cone->facet, cone->count, piece, place, state, [cone](std::uint32_t i) {
         return StoredCorner{cone->x[i], cone->y[i], cone->z[i], cone->edge[i], cone->vertex[i]};
       });
       w_.pool.give_back(cone);
@@ -106,7 +120,82 @@ class CellEmitter {
 
   void emit_piece(std::uint32_t p, std::uint32_t place, std::uint32_t state) {
     const auto corners = tree_.corners(pieces_[p]);
-    emit_polygon(pieces_[p].facet, pieces_[p].corner_count, p, place, state, [corners](std::uint32_t i) { return corners[i]; });
+    hold(pieces_[p].facet, pieces_[p].corner_count, p, place, state, [corners](std::uint32_t i) { return corners[i]; });
+  }
+
+  // A facet's fragments come in the order in which filtering cut it, depth first: the two sides of a cut stand side by side once each is in one. So
+  // holding them on a stack and joining the two on top as long as they join reunites every cut whose sides came to the same state
+  // (Slater 1992, figure 6).
+  template <class CornerAt>
+  void hold(std::uint32_t facet, std::uint32_t count, std::uint32_t piece, std::uint32_t place, std::uint32_t state, const CornerAt& corner_at) {
+    if (!merge_) return emit_polygon(facet, count, piece, place, state, corner_at);
+    if (facet != held_facet_) release();
+    held_facet_ = facet;
+    held_.push_back({static_cast<std::uint32_t>(held_corners_.size()), count, piece, place, state});
+    for (std::uint32_t i = 0; i < count; ++i) held_corners_.push_back(corner_at(i));
+    while (held_.size() > 1 && join_top()) {
+    }
+  }
+
+  void release() {
+    for (const Held& h : held_) {
+      const std::span<const StoredCorner> corners(held_corners_.data() + h.first, h.count);
+      emit_polygon(held_facet_, h.count, h.piece, h.place, h.state, [corners](std::uint32_t i) { return corners[i]; });
+    }
+    held_.clear();
+    held_corners_.clear();
+  }
+
+  // Joins the two polygons on top of the stack if they are in like states, meet in a whole edge of both, and their union is convex.
+  bool join_top() {
+    Held& a = held_[held_.size() - 2];
+    const Held& b = held_.back();
+    if (!alike(a.state, b.state)) return false;
+    const StoredCorner *p = held_corners_.data() + a.first, *q = held_corners_.data() + b.first;
+    for (std::uint32_t i = 0; i < a.count; ++i) {
+      for (std::uint32_t j = 0; j < b.count; ++j) {
+        if (p[i].edge.line() != q[j].edge.line() || p[i].edge.negative() == q[j].edge.negative()) continue;
+        const std::uint32_t i1 = (i + 1) % a.count, j1 = (j + 1) % b.count;
+        return same_ray(p[i], q[j1]) && same_ray(p[i1], q[j]) && join(a, i, b, j);
+      }
+    }
+    return false;
+  }
+
+  static bool same_ray(const StoredCorner& a, const StoredCorner& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+  static bool same_side(EdgeRef a, EdgeRef b) { return a.line() == b.line() && a.negative() == b.negative(); }
+
+  // Whether the turn from the corner `before`, at a corner that leaves along `edge`, is certainly convex: before lies inside of that edge's line.
+  bool turns_inward(const StoredCorner& before, EdgeRef edge) const {
+    const Line& l = tree_.line(edge.line());
+    const double s = l.n[0] * before.x + l.n[1] * before.y + l.n[2] * before.z;
+    // The piece's own error is not kept here; a corner's is at most twice a line's and a cross product's, and this is only a choice to join or not.
+    return (edge.negative() ? -s : s) > 16 * static_cast<double>(l.error) + 16 * sign_slack;
+  }
+
+  // a's edge i is b's edge j, the other way. The union runs round a from behind that edge, then round b; where both go on along one line, the corner
+  // between them goes.
+  bool join(Held& a, std::uint32_t i, const Held& b, std::uint32_t j) {
+    const StoredCorner *p = held_corners_.data() + a.first, *q = held_corners_.data() + b.first;
+    const auto at = [](const StoredCorner* c, std::uint32_t k, std::uint32_t n) -> const StoredCorner& { return c[k % n]; };
+    const StoredCorner &start = at(p, i + 1, a.count), &end = p[i];                               // of a's run
+    const StoredCorner &into_start = at(q, j + b.count - 1, b.count), &from_end = at(q, j + 1, b.count);
+    const bool start_straight = same_side(into_start.edge, start.edge), end_straight = same_side(at(p, i + a.count - 1, a.count).edge, from_end.edge);
+    if (!start_straight && !turns_inward(into_start, start.edge)) return false;
+    if (!end_straight && !turns_inward(at(p, i + a.count - 1, a.count), from_end.edge)) return false;
+    joined_.clear();
+    for (std::uint32_t k = start_straight ? 1 : 0; k + 1 < a.count; ++k) joined_.push_back(at(p, i + 1 + k, a.count));
+    if (!end_straight) {
+      joined_.push_back(end);
+      joined_.back().edge = from_end.edge;
+    }
+    for (std::uint32_t k = 2; k < b.count; ++k) joined_.push_back(at(q, j + k, b.count));
+    if (joined_.size() < 3) return false;
+    held_corners_.resize(a.first);
+    held_corners_.insert(held_corners_.end(), joined_.begin(), joined_.end());
+    a.count = static_cast<std::uint32_t>(joined_.size());
+    held_.pop_back();
+    return true;
   }
 
   // Counter-clockwise seen from the light.
@@ -154,7 +243,12 @@ class CellEmitter {
   CellOutput& out_;
   std::span<const Node> nodes_;
   std::span<const Piece> pieces_;
+  bool merge_ = false;
   std::vector<std::uint32_t> states_;  // by node; empty: leave everything in pieces
+
+  std::uint32_t held_facet_ = none;
+  std::vector<Held> held_;  // fragments of one facet that may still grow
+  std::vector<StoredCorner> held_corners_, joined_;
 };
 
 }  // namespace

@@ -26,7 +26,7 @@ struct EmitTarget {
 // The area of a facet's region: in_light, its plane cut by its cone of light (for facets that entered); otherwise what its corners enclose.
 double area_of_facet(const EmitTarget& target, std::uint32_t facet, bool in_light);
 
-// All fragments of one cell. `merge`: siblings of one state and caster are handed out as one.
+// All fragments of one cell. `merge`: siblings that are both lit, or shadowed by one object, are handed out as one.
 void emit_cell(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target, Workspace& w, CellOutput& out);
 
 }  // namespace shadowcut
