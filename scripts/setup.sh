@@ -2,7 +2,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-packages=(g++ cmake ninja-build libeigen3-dev libopenmesh-dev libtinyobjloader-dev libassimp-dev libtinygltf-dev libcli11-dev
+packages=(g++ cmake ninja-build libeigen3-dev libtinyobjloader-dev libassimp-dev libcli11-dev
           nlohmann-json3-dev libtbb-dev libboost-dev "$@")
 missing=()
 for p in "${packages[@]}"; do

@@ -371,6 +371,10 @@ std::vector<Oracle::Area> Oracle::areas() const {
   return all;
 }
 
+bool Oracle::unsure(std::uint32_t facet) const {
+  return impl_->seen[facet].unsure || impl_->reached[impl_->scene.facets()[facet].face] >= 2;
+}
+
 bool Oracle::lit(std::uint32_t facet, const Vec3& x) const { return impl_->lit(facet, x); }
 
 }  // namespace shadowcut::testing

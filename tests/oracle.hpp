@@ -40,6 +40,7 @@ class Oracle {
 
   // Whether x, a point of `facet` up to rounding, is reached by the light.
   bool lit(std::uint32_t facet, const Vec3& x) const;
+  bool unsure(std::uint32_t facet) const;  // see Area::unsure
 
  private:
   struct Impl;

@@ -268,7 +268,7 @@ TEST(Shadows, VertexOneUlpOffPlane) {
       s.add(triangle({-1, -1, z}, {-2, -1, start + 1}, {-1, -2, start + 1}));
       s.add(rectangle({1, -1, z}, {1, 0, 0}, {0, -1, 1}));
       expect_right(s.scene, Light::point({0.3, 0.2, 5}));
-      expect_right(s.scene, Light::point({0.3, 0.2, z}));
+      expect_right(s.scene, Light::point({0.9, 0.8, start}));
       expect_right(s.scene, Light::directional({0.3, 0.2, -1}));
     }
   }

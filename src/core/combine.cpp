@@ -60,7 +60,8 @@ class Query {
   }
 
   Cone* make_cone(std::uint32_t facet, std::span<const Vec3> polygon) {
-    Cone* cone = w_.pool.take(static_cast<std::uint32_t>(polygon.size()));
+    Cone* cone = w_.pool.take(static_cast<std::uint32_t>(polygon.size()) + 1);
+    cone->count = 0;
     cone->facet = facet;
     cone->error = 0;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -69,16 +70,13 @@ class Query {
       const Line l = light_.space().line(a, b);
       if (!std::isfinite(l.n[0]) || !std::isfinite(l.n[1]) || !std::isfinite(l.n[2])) continue;
       const VertexRay ray = light_.space().ray(a);
-      cone->push(ray.r[0], ray.r[1], ray.r[2], EdgeRef(first_query_line + static_cast<std::uint32_t>(lines_.size()), false),
-                 static_cast<std::uint32_t>(i));
+      const EdgeRef edge(first_query_line + static_cast<std::uint32_t>(lines_.size()), false);
+      cone->corners()[cone->count++] = {{ray.r[0], ray.r[1], ray.r[2]}, edge, static_cast<std::uint32_t>(i)};
       cone->error = std::max(cone->error, ray.error);
       lines_.push_back(l);
     }
     cut_lines_.clear();
-    if (cone->count >= 3) {
-      cone->pad();
-      return cone;
-    }
+    if (cone->count >= 3) return cone;
     w_.pool.give_back(cone);
     return nullptr;
   }
@@ -126,8 +124,8 @@ class Query {
       }
       const double size = is_pp ? std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]) : 1.0;
       const double bound = n_error + size * (static_cast<double>(cone.error) + sign_slack + (is_pp ? 2 * unit_roundoff : 0.0));
-      w_.signs.test(cone, n, bound);
-      if (w_.signs.positive() && w_.signs.negative()) {
+      const Signs signs(cone, n, bound, w_.spill);
+      if (signs.positive() && signs.negative()) {
         if (is_pp) {
           const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
           crossing = {{n[0] / length, n[1] / length, n[2] / length}, static_cast<float>(n_error / length) + 1e-15f};
@@ -140,7 +138,7 @@ class Query {
         const auto id = static_cast<std::uint32_t>(light_.tables().lines.size() + cut_lines_.size());
         cut_lines_.push_back(crossing);
         Cone *positive, *negative;
-        split(cone, w_.signs, crossing.n, crossing.error, id, true, [this](std::uint32_t i) -> const Line& { return line(i); }, w_.pool, positive, negative);
+        split(cone, signs, crossing.n, crossing.error, id, true, [this](std::uint32_t i) -> const Line& { return line(i); }, w_.pool, positive, negative);
         frames_.push_back({frame.cone, frame.cell, frame.place, answers.size(), true});
         frames_.push_back({positive, cell[0], sides[0], 0, false});
         if (is_pp) {
@@ -150,9 +148,9 @@ class Query {
         }
         return;
       }
-      if (is_pp && w_.signs.negative()) return answers.push_back({&cone, false});
+      if (is_pp && signs.negative()) return answers.push_back({&cone, false});
       // In front, or touching: coplanar faces do not shadow each other, and neither can shadow what is in front of both.
-      frame.place = sides[!is_pp && w_.signs.negative() ? 1 : 0];
+      frame.place = sides[!is_pp && signs.negative() ? 1 : 0];
     }
   }
 
@@ -232,8 +230,8 @@ void cut_by(const LightTree& light, std::size_t number, const Partition& in, std
         out.add(f.face, f.facet, set, in.front_order[i]);
         for (std::uint32_t k = 0; k < a.cone->count; ++k) {
           const std::uint32_t j = flip ? a.cone->count - 1 - k : k;
-          const double r[3] = {a.cone->x[j], a.cone->y[j], a.cone->z[j]};
-          out.corner(a.cone->vertex[j] != none ? corners[a.cone->vertex[j]] : light.space().back(r, q.q));
+          const ConeCorner& c = a.cone->corners()[j];
+          out.corner(c.vertex != none ? corners[c.vertex] : light.space().back(c.r, q.q));
         }
         w.pool.give_back(a.cone);
       }

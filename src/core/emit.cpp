@@ -35,8 +35,8 @@ bool flat_enough(const Plane& plane, const Face& face) { return plane.flatness *
 class CellEmitter {
  public:
   CellEmitter(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target, Workspace& w, CellOutput& out)
-      : tree_(tree), cell_(cell), target_(target), w_(w), out_(out), nodes_(tree.nodes()), pieces_(tree.pieces()) {
-    merge_ = merge;
+      : tree_(tree), cell_(cell), target_(target), w_(w), out_(out), nodes_(tree.nodes()), pieces_(tree.pieces()), merge_(merge),
+        reversed_(target.space.handedness() < 0) {
     if (merge_) find_states();
   }
 
@@ -92,6 +92,7 @@ class CellEmitter {
 
   void emit_in_front(std::uint32_t piece, std::uint32_t front) {
     const auto line_of = [this](std::uint32_t id) -> const Line& { return tree_.line(id); };
+    std::uint64_t on = 0;
     Cone* whole = tree_.cone_of(pieces_[piece], w_.pool);
     whole->at = front;
     w_.pending.push_back(whole);
@@ -105,42 +106,37 @@ class CellEmitter {
         if (state != mixed_state) break;
         const Node& node = nodes_[here.node()];
         Cone* cut_off;
-        place = here.node() * 2 + sift(cone, node.n, node.error, node.id, line_of, w_.pool, w_.signs, cut_off);
+        place = here.node() * 2 + sift(cone, node.n, node.error, node.id, line_of, w_.pool, w_.spill, cut_off, on);
         if (cut_off) {
           cut_off->at = here.node() * 2 + 1;
           w_.pending.push_back(cut_off);
         }
       }
-      hold(cone->facet, cone->count, piece, place, state, [cone](std::uint32_t i) {
-        return StoredCorner{cone->x[i], cone->y[i], cone->z[i], cone->edge[i], cone->vertex[i]};
-      });
+      hold(cone->facet, cone->span(), piece, place, state);
       w_.pool.give_back(cone);
     }
   }
 
   void emit_piece(std::uint32_t p, std::uint32_t place, std::uint32_t state) {
-    const auto corners = tree_.corners(pieces_[p]);
-    hold(pieces_[p].facet, pieces_[p].corner_count, p, place, state, [corners](std::uint32_t i) { return corners[i]; });
+    hold(pieces_[p].facet, tree_.corners(pieces_[p]), p, place, state);
   }
 
   // A facet's fragments come in the order in which filtering cut it, depth first: the two sides of a cut stand side by side once each is in one. So
   // holding them on a stack and joining the two on top as long as they join reunites every cut whose sides came to the same state
   // (Slater 1992, figure 6).
-  template <class CornerAt>
-  void hold(std::uint32_t facet, std::uint32_t count, std::uint32_t piece, std::uint32_t place, std::uint32_t state, const CornerAt& corner_at) {
-    if (!merge_) return emit_polygon(facet, count, piece, place, state, corner_at);
+  void hold(std::uint32_t facet, std::span<const ConeCorner> corners, std::uint32_t piece, std::uint32_t place, std::uint32_t state) {
+    if (!merge_) return emit_polygon(facet, corners, piece, place, state);
     if (facet != held_facet_) release();
     held_facet_ = facet;
-    held_.push_back({static_cast<std::uint32_t>(held_corners_.size()), count, piece, place, state});
-    for (std::uint32_t i = 0; i < count; ++i) held_corners_.push_back(corner_at(i));
+    held_.push_back({static_cast<std::uint32_t>(held_corners_.size()), static_cast<std::uint32_t>(corners.size()), piece, place, state});
+    held_corners_.insert(held_corners_.end(), corners.begin(), corners.end());
     while (held_.size() > 1 && join_top()) {
     }
   }
 
   void release() {
     for (const Held& h : held_) {
-      const std::span<const StoredCorner> corners(held_corners_.data() + h.first, h.count);
-      emit_polygon(held_facet_, h.count, h.piece, h.place, h.state, [corners](std::uint32_t i) { return corners[i]; });
+      emit_polygon(held_facet_, std::span<const ConeCorner>(held_corners_).subspan(h.first, h.count), h.piece, h.place, h.state);
     }
     held_.clear();
     held_corners_.clear();
@@ -151,7 +147,7 @@ class CellEmitter {
     Held& a = held_[held_.size() - 2];
     const Held& b = held_.back();
     if (!alike(a.state, b.state)) return false;
-    const StoredCorner *p = held_corners_.data() + a.first, *q = held_corners_.data() + b.first;
+    const ConeCorner *p = held_corners_.data() + a.first, *q = held_corners_.data() + b.first;
     for (std::uint32_t i = 0; i < a.count; ++i) {
       for (std::uint32_t j = 0; j < b.count; ++j) {
         if (p[i].edge.line() != q[j].edge.line() || p[i].edge.negative() == q[j].edge.negative()) continue;
@@ -162,13 +158,13 @@ class CellEmitter {
     return false;
   }
 
-  static bool same_ray(const StoredCorner& a, const StoredCorner& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+  static bool same_ray(const ConeCorner& a, const ConeCorner& b) { return a.r[0] == b.r[0] && a.r[1] == b.r[1] && a.r[2] == b.r[2]; }
   static bool same_side(EdgeRef a, EdgeRef b) { return a.line() == b.line() && a.negative() == b.negative(); }
 
   // Whether the turn from the corner `before`, at a corner that leaves along `edge`, is certainly convex: before lies inside of that edge's line.
-  bool turns_inward(const StoredCorner& before, EdgeRef edge) const {
+  bool turns_inward(const ConeCorner& before, EdgeRef edge) const {
     const Line& l = tree_.line(edge.line());
-    const double s = l.n[0] * before.x + l.n[1] * before.y + l.n[2] * before.z;
+    const double s = l.n[0] * before.r[0] + l.n[1] * before.r[1] + l.n[2] * before.r[2];
     // The piece's own error is not kept here; a corner's is at most twice a line's and a cross product's, and this is only a choice to join or not.
     return (edge.negative() ? -s : s) > 16 * static_cast<double>(l.error) + 16 * sign_slack;
   }
@@ -176,10 +172,10 @@ class CellEmitter {
   // a's edge i is b's edge j, the other way. The union runs round a from behind that edge, then round b; where both go on along one line, the corner
   // between them goes.
   bool join(Held& a, std::uint32_t i, const Held& b, std::uint32_t j) {
-    const StoredCorner *p = held_corners_.data() + a.first, *q = held_corners_.data() + b.first;
-    const auto at = [](const StoredCorner* c, std::uint32_t k, std::uint32_t n) -> const StoredCorner& { return c[k % n]; };
-    const StoredCorner &start = at(p, i + 1, a.count), &end = p[i];                               // of a's run
-    const StoredCorner &into_start = at(q, j + b.count - 1, b.count), &from_end = at(q, j + 1, b.count);
+    const ConeCorner *p = held_corners_.data() + a.first, *q = held_corners_.data() + b.first;
+    const auto at = [](const ConeCorner* c, std::uint32_t k, std::uint32_t n) -> const ConeCorner& { return c[k % n]; };
+    const ConeCorner &start = at(p, i + 1, a.count), &end = p[i];                               // of a's run
+    const ConeCorner &into_start = at(q, j + b.count - 1, b.count), &from_end = at(q, j + 1, b.count);
     const bool start_straight = same_side(into_start.edge, start.edge), end_straight = same_side(at(p, i + a.count - 1, a.count).edge, from_end.edge);
     if (!start_straight && !turns_inward(into_start, start.edge)) return false;
     if (!end_straight && !turns_inward(at(p, i + a.count - 1, a.count), from_end.edge)) return false;
@@ -199,38 +195,34 @@ class CellEmitter {
   }
 
   // Counter-clockwise seen from the light.
-  template <class CornerAt>
-  void emit_polygon(std::uint32_t facet_id, std::uint32_t count, std::uint32_t piece, std::uint32_t place, std::uint32_t state, const CornerAt& corner_at) {
+  void emit_polygon(std::uint32_t facet_id, std::span<const ConeCorner> cone, std::uint32_t piece, std::uint32_t place, std::uint32_t state) {
     const Facet& facet = target_.scene.facets()[facet_id];
     const Plane& plane = target_.scene.planes()[facet.plane];
     const double* q = target_.tables.planes[facet.plane].q;
-    const bool vertices_serve = flat_enough(plane, target_.scene.faces()[facet.face]);
-    const bool reversed = target_.space.handedness() < 0;
+    const auto count = static_cast<std::uint32_t>(cone.size());
     auto& corners = out_.block.corners;
     const std::size_t first = corners.size();
     corners.resize(first + count);
     Vec3* const out = corners.data() + first;
     for (std::uint32_t k = 0; k < count; ++k) {
-      const StoredCorner c = corner_at(reversed ? count - 1 - k : k);
-      out[k] = c.vertex == none ? target_.space.back(&c.x, q) : target_.scene.vertices()[c.vertex];
+      const ConeCorner& c = cone[reversed_ ? count - 1 - k : k];
+      out[k] = c.vertex == none ? target_.space.back(c.r, q) : target_.scene.vertices()[c.vertex];
     }
     double area;
-    if (vertices_serve) {
+    if (flat_enough(plane, target_.scene.faces()[facet.face])) {
       AreaSum sum(out[0]);
       for (std::uint32_t k = 1; k < count; ++k) sum.add(out[k]);
       area = sum.area(plane.normal);
     } else {
-      const auto on_plane = [&](const StoredCorner& c) { return target_.space.back(&c.x, q); };
-      AreaSum sum(on_plane(corner_at(0)));
-      for (std::uint32_t k = 1; k < count; ++k) sum.add(on_plane(corner_at(k)));
+      AreaSum sum(target_.space.back(cone[0].r, q));
+      for (std::uint32_t k = 1; k < count; ++k) sum.add(target_.space.back(cone[k].r, q));
       area = sum.area(plane.normal);
     }
     const bool lit = state == lit_state;
     out_.block.fragments.push_back({{cell_, piece, place}, facet.face, facet_id, lit ? none : state, static_cast<std::uint32_t>(first), count, lit, area});
     if (!target_.keep_lines) return;
     for (std::uint32_t k = 0; k < count; ++k) {
-      const std::uint32_t i = reversed ? (2 * count - 2 - k) % count : k;  // the edge that leaves corner k in this order
-      const std::uint32_t line = corner_at(i).edge.line();
+      const std::uint32_t line = cone[reversed_ ? (2 * count - 2 - k) % count : k].edge.line();  // the edge that leaves corner k in this order
       const std::uint64_t own = line < target_.tables.lines.size() ? 0 : static_cast<std::uint64_t>(cell_ + 1) << 32;
       out_.edge_lines.push_back(own + line);
     }
@@ -243,12 +235,12 @@ class CellEmitter {
   CellOutput& out_;
   std::span<const Node> nodes_;
   std::span<const Piece> pieces_;
-  bool merge_ = false;
+  bool merge_, reversed_;
   std::vector<std::uint32_t> states_;  // by node; empty: leave everything in pieces
 
   std::uint32_t held_facet_ = none;
   std::vector<Held> held_;  // fragments of one facet that may still grow
-  std::vector<StoredCorner> held_corners_, joined_;
+  std::vector<ConeCorner> held_corners_, joined_;
 };
 
 }  // namespace

@@ -198,18 +198,18 @@ std::vector<std::uint32_t> LightTree::insertion_order(const Options& options, st
 Cone* LightTree::cone_of_facet(std::uint32_t facet, ConePool& pool) const {
   const auto corners = scene_.corners_of(scene_.facets()[facet]);
   const auto n = static_cast<std::uint32_t>(corners.size());
-  Cone* cone = pool.take(n);
+  Cone* cone = pool.take(n + 1);
+  cone->count = n;
   cone->facet = facet;
   cone->error = 0;
   const bool ahead = forward(facet);
   for (std::uint32_t k = 0; k < n; ++k) {
     const std::uint32_t i = ahead ? k : n - 1 - k;
-    const std::uint32_t edge = corners[ahead ? i : (i + n - 1) % n].edge;  // the one that leaves this corner in this direction
+    const std::uint32_t edge = corners[ahead ? i : i == 0 ? n - 1 : i - 1].edge;  // the one that leaves this corner in this direction
     const VertexRay& ray = tables_.rays[corners[i].vertex];
-    cone->push(ray.r[0], ray.r[1], ray.r[2], EdgeRef(edge >> 1, ((edge & 1) != 0) == ahead), corners[i].vertex);
+    cone->corners()[k] = {{ray.r[0], ray.r[1], ray.r[2]}, EdgeRef(edge >> 1, ((edge & 1) != 0) == ahead), corners[i].vertex};
     cone->error = std::max(cone->error, ray.error);
   }
-  cone->pad();
   return cone;
 }
 
@@ -225,7 +225,7 @@ void LightTree::build(const std::vector<std::uint32_t>& order, const Options& op
   };
   struct Chunk {
     std::vector<Part> parts;
-    std::vector<StoredCorner> corners;
+    std::vector<ConeCorner> corners;
   };
   const std::size_t cell_count = prefix_->cell_count();
   cells_.assign(cell_count, CellTree(tables_));
@@ -240,14 +240,12 @@ void LightTree::build(const std::vector<std::uint32_t>& order, const Options& op
       Chunk& chunk = chunks[c];
       for (std::size_t i = c * chunk_size; i < std::min(order.size(), (c + 1) * chunk_size); ++i) {
         Cone* whole = cone_of_facet(order[i], w.pool);
-        prefix_->filter(whole, line_of, w.pool, w.signs, w.pending, [&](std::uint32_t cell, Cone* part) {
+        prefix_->filter(whole, line_of, w.pool, w.spill, w.pending, [&](std::uint32_t cell, Cone* part) {
           const auto first = static_cast<std::uint32_t>(chunk.corners.size());
           // A part never pushed apart from the facet it came from is told by its edges: no cut, no mark.
           bool is_whole = part->count == scene_.facets()[part->facet].corner_count;
-          for (std::uint32_t k = 0; is_whole && k < part->count; ++k) is_whole = part->vertex[k] != none && !part->edge[k].bounded();
-          if (!is_whole) {
-            for (std::uint32_t k = 0; k < part->count; ++k) chunk.corners.push_back({part->x[k], part->y[k], part->z[k], part->edge[k], part->vertex[k]});
-          }
+          for (const ConeCorner& k : part->span()) is_whole = is_whole && k.vertex != none && !k.edge.bounded();
+          if (!is_whole) chunk.corners.insert(chunk.corners.end(), part->corners(), part->corners() + part->count);
           chunk.parts.push_back({cell, part->facet, first, is_whole ? 0 : part->count, part->error});
           w.pool.give_back(part);
         });
@@ -289,14 +287,10 @@ void LightTree::build(const std::vector<std::uint32_t>& order, const Options& op
         tree.insert(cone_of_facet(part.facet, w.pool), w);
         continue;
       }
-      Cone* cone = w.pool.take(part.corner_count);
+      Cone* cone = w.pool.take(part.corner_count + 1);
       cone->facet = part.facet;
       cone->error = part.error;
-      for (std::uint32_t k = 0; k < part.corner_count; ++k) {
-        const StoredCorner& s = chunk.corners[part.first_corner + k];
-        cone->push(s.x, s.y, s.z, s.edge, s.vertex);
-      }
-      cone->pad();
+      cone->assign(std::span(chunk.corners).subspan(part.first_corner, part.corner_count));
       tree.insert(cone, w);
     }
     progress.step(begin[cell + 1] - begin[cell]);

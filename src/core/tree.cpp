@@ -26,8 +26,7 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
       const Node& node = nodes_[here.node()];
       counts_.predicates += cone->count;
       Cone* cut_off;
-      place = here.node() * 2 + sift(cone, node.n, node.error, node.id, line_of, w.pool, w.signs, cut_off);
-      counts_.on += w.signs.on();
+      place = here.node() * 2 + sift(cone, node.n, node.error, node.id, line_of, w.pool, w.spill, cut_off, counts_.on);
       if (cut_off) {
         cut_off->at = here.node() * 2 + 1;
         w.pending.push_back(cut_off);
@@ -58,13 +57,13 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
     const double size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
     const double d_error = static_cast<double>(own.error) + static_cast<double>(node.error) + 2 * unit_roundoff * size;
     const double bound = d_error + size * (static_cast<double>(cone->error) + sign_slack);
-    w.signs.test(*cone, d, bound);
+    const Signs signs(*cone, d, bound, w.spill);
     counts_.predicates += cone->count;
-    counts_.on += w.signs.on();
-    if (w.signs.positive() && w.signs.negative()) {
+    counts_.on += signs.on();
+    if (signs.positive() && signs.negative()) {
       const std::uint32_t cut = crossing_line(d, d_error);
       Cone *front, *behind;
-      split(*cone, w.signs, line(cut).n, line(cut).error, cut, false, line_of, w.pool, front, behind);
+      split(*cone, signs, line(cut).n, line(cut).error, cut, false, line_of, w.pool, front, behind);
       w.pool.give_back(cone);
       add_to_list(store(*behind, Piece::Kind::behind, pp), pp);
       w.pool.give_back(behind);
@@ -72,11 +71,11 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
       place = pp * 2;
       continue;
     }
-    if (w.signs.positive()) {
+    if (signs.positive()) {
       place = pp * 2;
       continue;
     }
-    add_to_list(store(*cone, w.signs.negative() ? Piece::Kind::behind : Piece::Kind::coplanar, pp), pp);
+    add_to_list(store(*cone, signs.negative() ? Piece::Kind::behind : Piece::Kind::coplanar, pp), pp);
     break;
   }
   w.pool.give_back(cone);
@@ -86,7 +85,7 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
 void CellTree::attach(Cone& cone, std::uint32_t place) {
   const std::uint32_t piece = store(cone, Piece::Kind::owner, place);
   for (std::uint32_t i = 0; i < cone.count; ++i) {
-    const EdgeRef e = cone.edge[i];
+    const EdgeRef e = cone.corners()[i].edge;
     if (e.bounded()) continue;
     const Line& l = line(e.line());
     const std::uint32_t node = add_node(l.n, l.error, e.line(), place, piece);
@@ -103,7 +102,7 @@ void CellTree::attach(Cone& cone, std::uint32_t place) {
 std::uint32_t CellTree::store(const Cone& cone, Piece::Kind kind, std::uint32_t place) {
   const auto id = static_cast<std::uint32_t>(pieces_.size());
   pieces_.push_back({cone.facet, static_cast<std::uint32_t>(corners_.size()), cone.count, cone.error, place, none, kind, {}});
-  for (std::uint32_t i = 0; i < cone.count; ++i) corners_.push_back({cone.x[i], cone.y[i], cone.z[i], cone.edge[i], cone.vertex[i]});
+  corners_.insert(corners_.end(), cone.corners(), cone.corners() + cone.count);
   return id;
 }
 
@@ -127,11 +126,10 @@ std::uint32_t CellTree::crossing_line(const double d[3], double error) {
 }
 
 Cone* CellTree::cone_of(const Piece& piece, ConePool& pool) const {
-  Cone* cone = pool.take(piece.corner_count);
+  Cone* cone = pool.take(piece.corner_count + 1);
   cone->facet = piece.facet;
   cone->error = piece.error;
-  for (const StoredCorner& c : corners(piece)) cone->push(c.x, c.y, c.z, c.edge, c.vertex);
-  cone->pad();
+  cone->assign(corners(piece));
   return cone;
 }
 
@@ -152,7 +150,7 @@ void CellTree::reserve(std::size_t facets) {
 }
 
 std::uint64_t CellTree::bytes() const {
-  return nodes_.size() * sizeof(Node) + links_.size() * sizeof(NodeLinks) + pieces_.size() * sizeof(Piece) + corners_.size() * sizeof(StoredCorner) +
+  return nodes_.size() * sizeof(Node) + links_.size() * sizeof(NodeLinks) + pieces_.size() * sizeof(Piece) + corners_.size() * sizeof(ConeCorner) +
          local_lines_.size() * sizeof(Line);
 }
 

@@ -72,13 +72,6 @@ struct Piece {
   Location location;  // the next in the facet's location list (CS95, section 3), over all cells
 };
 
-struct StoredCorner {
-  double x, y, z;
-  EdgeRef edge;
-  std::uint32_t vertex;
-};
-static_assert(sizeof(StoredCorner) == 32);
-
 inline constexpr std::uint32_t root_place = none;
 
 // What all cells of one light share, read-only while cells are built. Line ids: edges of the scene, then the prefix's, then each cell's own.
@@ -96,7 +89,7 @@ struct LightTables {
 // Memory that one thread uses again for cell after cell.
 struct Workspace {
   ConePool pool;
-  Signs signs;
+  std::vector<std::int8_t> spill;  // see Signs
   std::vector<Cone*> pending;
 };
 
@@ -123,7 +116,7 @@ class CellTree {
   std::span<const Node> nodes() const { return nodes_; }
   std::span<const NodeLinks> links() const { return links_; }
   std::span<const Piece> pieces() const { return pieces_; }
-  std::span<const StoredCorner> corners(const Piece& p) const { return std::span(corners_).subspan(p.first_corner, p.corner_count); }
+  std::span<const ConeCorner> corners(const Piece& p) const { return std::span(corners_).subspan(p.first_corner, p.corner_count); }
   std::size_t local_lines() const { return local_lines_.size(); }
   std::size_t pp_nodes() const { return pp_nodes_; }
   const TreeCounts& counts() const { return counts_; }
@@ -151,7 +144,7 @@ class CellTree {
   std::vector<Node> nodes_;
   std::vector<NodeLinks> links_;
   std::vector<Piece> pieces_;
-  std::vector<StoredCorner> corners_;
+  std::vector<ConeCorner> corners_;
   std::vector<Line> local_lines_;
   std::size_t pp_nodes_ = 0;
   TreeCounts counts_;

@@ -58,7 +58,7 @@ std::string CellTree::validate() const {
   }
 
   ConePool pool;
-  Signs signs;
+  std::vector<std::int8_t> spill;
   for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
     const Piece& piece = pieces_[p];
     Cone* cone = cone_of(piece, pool);
@@ -72,23 +72,22 @@ std::string CellTree::validate() const {
         const double d[3] = {own.q[0] - node.n[0], own.q[1] - node.n[1], own.q[2] - node.n[2]};
         const double size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
         const double bound = static_cast<double>(own.error) + static_cast<double>(node.error) + size * (static_cast<double>(cone->error) + 6 * unit_roundoff);
-        signs.test(*cone, d, bound);
-        if (signs.negative()) return say("a piece in front of a PP-node reaches behind it", p);
+        if (Signs(*cone, d, bound, spill).negative()) return say("a piece in front of a PP-node reaches behind it", p);
         continue;
       }
       // 5. A piece lies on its cell's side of every SP-node above it.
-      signs.test(*cone, node.n, bound_for(node.error, cone->error));
+      const Signs signs(*cone, node.n, bound_for(node.error, cone->error), spill);
       const int wrong = place & 1 ? 1 : -1;
       for (std::uint32_t i = 0; i < cone->count; ++i) {
         if (signs[i] == wrong) return say("a piece reaches out of its cell", p);
         const std::uint32_t j = i + 1 == cone->count ? 0 : i + 1;
-        if (cone->edge[i].line() == node.id || (signs[i] == 0 && signs[j] == 0)) edge_bounded[i] = 1;
+        if (cone->corners()[i].edge.line() == node.id || (signs[i] == 0 && signs[j] == 0)) edge_bounded[i] = 1;
       }
     }
     // 6. An owner's piece fills its PP-node's cell: an SP-node, of its own or another's, stands at every edge. (Edges that a plane of the prefix bounds are marked.)
     if (piece.kind == Piece::Kind::owner) {
       for (std::uint32_t i = 0; i < cone->count; ++i) {
-        if (!edge_bounded[i] && !cone->edge[i].bounded()) return say("an edge of a PP-node's owner has no SP-node", p);
+        if (!edge_bounded[i] && !cone->corners()[i].edge.bounded()) return say("an edge of a PP-node's owner has no SP-node", p);
       }
     } else if (piece.kind != Piece::Kind::at_leaf) {
       // 7. What is in a PP-node's list is nowhere certainly in front of its plane, and what is coplanar nowhere certainly off it.
@@ -98,7 +97,7 @@ std::string CellTree::validate() const {
         const double d[3] = {own.q[0] - node.n[0], own.q[1] - node.n[1], own.q[2] - node.n[2]};
         const double size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
         const double bound = static_cast<double>(own.error) + static_cast<double>(node.error) + size * (static_cast<double>(cone->error) + 6 * unit_roundoff);
-        signs.test(*cone, d, bound);
+        const Signs signs(*cone, d, bound, spill);
         if (signs.positive() || (signs.negative() && piece.kind == Piece::Kind::coplanar)) return say("a piece behind a PP-node reaches in front of it", p);
       }
     }
