@@ -153,6 +153,19 @@ class Signs {
     return static_cast<int>(positive_ >> i & 1) - static_cast<int>(negative_ >> i & 1);
   }
 
+  // Calls f(i) for every edge i both of whose ends are on.
+  template <class F>
+  void for_each_on_edge(const F& f) const {
+    if (large_) {
+      for (std::uint32_t i = 0; i < count_; ++i) {
+        if (large_[i] == 0 && large_[i + 1 == count_ ? 0 : i + 1] == 0) f(i);
+      }
+      return;
+    }
+    const std::uint64_t on = (positive_ | negative_) ^ all();
+    for (std::uint64_t both = on & (on >> 1 | (on & 1) << (count_ - 1)); both != 0; both &= both - 1) f(static_cast<std::uint32_t>(std::countr_zero(both)));
+  }
+
   // With corners on both sides: where the sign goes down, and where it goes up again.
   void changes(Change& down, Change& up) const {
     if (!large_ && (positive_ | negative_) == all()) {
@@ -190,13 +203,6 @@ class Signs {
   std::uint64_t positive_ = 0, negative_ = 0;  // up to 64 corners: a bit each; beyond: whether any
   const std::int8_t* large_ = nullptr;         // beyond: each
 };
-
-// Marks the edges both of whose ends are on the line of a node: the cell ends there, so they need no node of their own.
-inline void mark_on_edges(Cone& c, const Signs& signs) {
-  for (std::uint32_t i = 0; i < c.count; ++i) {
-    if (signs[i] == 0 && signs[i + 1 == c.count ? 0 : i + 1] == 0) c.corners()[i].edge.set_bounded();
-  }
-}
 
 // Cuts a cone that has corners on both sides of a line. The corners between which the sign changes for certain get a new corner; a corner that is on the
 // line serves as it is. m is the line, m_error its error, `cut` its id; `lines(id)` gives the line of an edge.
@@ -265,7 +271,8 @@ std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t 
     cone = positive;
     return 0;
   }
-  if (signs.any_on()) mark_on_edges(*cone, signs);
+  // Where an edge lies on the line, the cell ends: it needs no node of its own.
+  if (signs.any_on()) signs.for_each_on_edge([cone](std::uint32_t i) { cone->corners()[i].edge.set_bounded(); });
   return signs.negative() ? 1 : 0;
 }
 

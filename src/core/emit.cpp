@@ -149,9 +149,10 @@ class CellEmitter {
     if (!alike(a.state, b.state)) return false;
     const ConeCorner *p = held_corners_.data() + a.first, *q = held_corners_.data() + b.first;
     for (std::uint32_t i = 0; i < a.count; ++i) {
+      if (!p[i].edge.bounded()) continue;  // cuts are
       for (std::uint32_t j = 0; j < b.count; ++j) {
         if (p[i].edge.line() != q[j].edge.line() || p[i].edge.negative() == q[j].edge.negative()) continue;
-        const std::uint32_t i1 = (i + 1) % a.count, j1 = (j + 1) % b.count;
+        const std::uint32_t i1 = i + 1 == a.count ? 0 : i + 1, j1 = j + 1 == b.count ? 0 : j + 1;
         return same_ray(p[i], q[j1]) && same_ray(p[i1], q[j]) && join(a, i, b, j);
       }
     }
@@ -173,7 +174,7 @@ class CellEmitter {
   // between them goes.
   bool join(Held& a, std::uint32_t i, const Held& b, std::uint32_t j) {
     const ConeCorner *p = held_corners_.data() + a.first, *q = held_corners_.data() + b.first;
-    const auto at = [](const ConeCorner* c, std::uint32_t k, std::uint32_t n) -> const ConeCorner& { return c[k % n]; };
+    const auto at = [](const ConeCorner* c, std::uint32_t k, std::uint32_t n) -> const ConeCorner& { return c[k < n ? k : k - n]; };  // k < 2n
     const ConeCorner &start = at(p, i + 1, a.count), &end = p[i];                               // of a's run
     const ConeCorner &into_start = at(q, j + b.count - 1, b.count), &from_end = at(q, j + 1, b.count);
     const bool start_straight = same_side(into_start.edge, start.edge), end_straight = same_side(at(p, i + a.count - 1, a.count).edge, from_end.edge);
