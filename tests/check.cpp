@@ -40,7 +40,7 @@ std::string name_of(const Scene& scene, std::uint32_t face) {
 }
 
 const char* name_of(Facing facing) {
-  constexpr std::array<const char*, 4> names{"refused", "away", "out_of_reach", "toward"};
+  constexpr std::array<const char*, 5> names{"refused", "away", "out_of_reach", "ignored", "toward"};
   return names[static_cast<std::size_t>(facing)];
 }
 
@@ -74,7 +74,7 @@ double diameter(const Scene& scene, const Facet& facet) {
 // How far the sum of a face's fragments may be from its area. The corners of a face are the scene's vertices to the bit, while its area is
 // meant in its plane: where a corner lies off the plane by `flatness`, or by the rounding of its
 // coordinates, the two differ by that, prolonged along the light. Of no weight but for thin faces seen at a grazing angle.
-double fragment_tolerance(const Scene& scene, const Light& light, std::uint32_t face) {
+double fragment_tolerance(const Scene& scene, const Light& light, std::uint32_t face, double share) {
   const Face& f = scene.faces()[face];
   double slack = 0;
   for (std::uint32_t k = 0; k < f.facet_count; ++k) {
@@ -88,7 +88,7 @@ double fragment_tolerance(const Scene& scene, const Light& light, std::uint32_t 
     const double off = 8 * plane.flatness + 0x1p-48 * (extent(scene, facet) + (light.kind == Light::Kind::point ? light.at.norm() : 0));
     slack += off * diameter(scene, facet) / least;
   }
-  return kAreaTolerance * f.area + slack;
+  return share * f.area + slack;
 }
 
 using Bits = std::array<std::uint64_t, 3>;
@@ -220,7 +220,7 @@ std::string check_same_areas(const Scene& scene, const Shadows& a, const Shadows
   return report.str();
 }
 
-std::string check_fragments(const Scene& scene, const Light& light, const Shadows& shadows) {
+std::string check_fragments(const Scene& scene, const Light& light, const Shadows& shadows, double share) {
   Report report;
   if (shadows.areas.size() != scene.faces().size()) return "areas are not one for each face\n";
   std::vector<double> lit(scene.faces().size()), shadowed(lit);
@@ -241,8 +241,12 @@ std::string check_fragments(const Scene& scene, const Light& light, const Shadow
   }
   for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
     const FaceArea& area = shadows.areas[i];
-    if (!receives(scene, i) || area.facing == Facing::refused) continue;
-    const double tolerance = fragment_tolerance(scene, light, i);
+    if (area.facing == Facing::refused) continue;
+    if (receives(scene, i) == (area.facing == Facing::ignored))
+      report.add(name_of(scene, i), ": is ", name_of(area.facing), ", and its object does ", receives(scene, i) ? "" : "not ", "receive");
+    if (!receives(scene, i) && (area.lit != 0 || area.shadowed != 0)) report.add(name_of(scene, i), ": does not receive, but has areas");
+    if (!receives(scene, i)) continue;
+    const double tolerance = fragment_tolerance(scene, light, i, share);
     if (std::abs(area.lit + area.shadowed - area.area) > tolerance)
       report.add(name_of(scene, i), ": lit ", area.lit, " and shadowed ", area.shadowed, " do not make ", area.area);
     if (std::abs(lit[i] - area.lit) > tolerance)

@@ -22,7 +22,7 @@ std::string check_same_areas(const Scene& scene, const Shadows& a, const Shadows
 // The fragments: they name their faces, are convex and run counter-clockwise seen from the light, lie in their planes, add up to the faces'
 // areas, have unique ids, name a caster that casts iff they are shadowed; every vertex of a facet is a corner of a fragment, to the bit;
 // the statistics add up.
-std::string check_fragments(const Scene& scene, const Light& light, const Shadows& shadows);
+std::string check_fragments(const Scene& scene, const Light& light, const Shadows& shadows, double tolerance = kAreaTolerance);
 
 // Random points well inside fragments against the oracle's ray through every facet.
 std::string check_points(const Scene& scene, const Shadows& shadows, const Oracle& oracle, std::uint64_t seed, int count);

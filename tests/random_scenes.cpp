@@ -2,6 +2,8 @@
 #include "random_scenes.hpp"
 
 #include <array>
+#include <cmath>
+#include <ostream>
 
 namespace shadowcut::testing {
 namespace {
@@ -199,6 +201,8 @@ const char* name_of(Kind kind) {
   constexpr std::array<const char*, 8> names{"soup", "grid_soup", "solids", "grid_boxes", "turned_boxes", "outlines", "tiles", "room"};
   return names[static_cast<std::size_t>(kind)];
 }
+
+void PrintTo(Kind kind, std::ostream* out) { *out << name_of(kind); }
 
 Light random_light(Kind kind, Random& random) {
   const bool sun = random.below(3) == 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <iosfwd>
 #include <string>
 
 #include "scenes.hpp"
@@ -21,6 +22,7 @@ enum class Kind {
 inline constexpr Kind kAllKinds[] = {Kind::soup,         Kind::grid_soup, Kind::solids, Kind::grid_boxes,
                                      Kind::turned_boxes, Kind::outlines,  Kind::tiles,  Kind::room};
 const char* name_of(Kind kind);
+void PrintTo(Kind kind, std::ostream* out);  // for GoogleTest
 
 // With its light, a point or a direction. No object casts or receives otherwise than by default.
 scenes::SceneData random_scene(Kind kind, std::uint64_t seed);

@@ -23,6 +23,8 @@ Light parse_point(const std::string& spec) {
 
 }  // namespace
 
+void PrintTo(const ReferenceScene& scene, std::ostream* out) { *out << scene.name; }
+
 std::vector<ReferenceScene> reference_scenes(const std::string& data_folder) {
   std::ifstream in(data_folder + "/scenes.json");
   std::vector<ReferenceScene> out;

@@ -1,6 +1,7 @@
 // The shipped scenes and their reference areas (data/).
 #pragma once
 
+#include <iosfwd>
 #include <shadowcut/scene.hpp>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@ struct ReferenceScene {
   std::string path;  // of its OBJ
   Light light;
 };
+void PrintTo(const ReferenceScene& scene, std::ostream* out);                  // for GoogleTest
 std::vector<ReferenceScene> reference_scenes(const std::string& data_folder);  // those of scenes.json
 
 struct ReferenceArea {

@@ -323,8 +323,27 @@ TEST(Shadows, NonFlatFaceShadowsItself) {
   mesh.add_face({0, 1, 2, 3});
   s.add(mesh);
   ASSERT_EQ(s.scene.issues().size(), 1u);
-  expect_right(s.scene, Light::point({4, 3.5, 0.7}));
-  expect_right(s.scene, Light::point({0.3, 0.4, 3}));
+  for (const Form form : {Form::pieces, Form::merged, Form::conforming}) {
+    SCOPED_TRACE("form " + std::to_string(static_cast<int>(form)));
+    Options options;
+    options.form = form;
+    expect_right(s.scene, Light::point({4, 3.5, 0.7}), options);
+    expect_right(s.scene, Light::point({0.3, 0.4, 3}), options);
+  }
+}
+
+TEST(Shadows, NonFlatFaceFoldedTowardTheLight) {
+  Stage s;
+  Mesh mesh;  // its two facets lie one behind the other
+  mesh.vertices = {{0, 5, 2}, {3, -1, -2}, {-1, 4, 5}, {-2, -2, -2}};
+  mesh.add_face({0, 1, 2, 3});
+  s.add(mesh, Sides::open);
+  for (const Form form : {Form::pieces, Form::merged, Form::conforming}) {
+    SCOPED_TRACE("form " + std::to_string(static_cast<int>(form)));
+    Options options;
+    options.form = form;
+    expect_right(s.scene, Light::directional({4, 5, 2}), options);
+  }
 }
 
 TEST(Shadows, CastsAndReceives) {

@@ -74,7 +74,7 @@ enum class Reason : std::uint8_t {
   index_out_of_range, // refused
   too_few_corners,    // refused: fewer than three distinct corners
   zero_area,          // refused
-  self_intersecting,  // refused: the outline crosses or touches itself, or a hole leaves the outline
+  self_intersecting,  // refused: the outline crosses itself, or a hole leaves it; touching is allowed, outlines joined to their holes by bridges are usual
   duplicate,          // refused: the same corners in the same order as an earlier face of the object
   repeated_corner,    // repaired: consecutive equal corners became one
   not_flat,           // repaired: a corner lies off the plane by more than Scene::flatness_tolerance; triangulated
@@ -108,6 +108,9 @@ struct Light {
   static Light directional(Vec3 travel) { return {Kind::directional, travel, {}, std::numeric_limits<double>::infinity(), {}}; }
 };
 
+// Throws Error, with `who` for the light, when a coordinate is not finite, a direction is zero, the range is not positive or the spot is out of bounds.
+void check(const Light& light, const std::string& who);
+
 // Everything below is the scene flattened, in world coordinates, for the engine and for oracles.
 // A *face* is what the user gave; a *facet* is one of the convex parts it was cut into (most faces are one facet).
 
@@ -117,6 +120,7 @@ struct Plane {
   Vec3 normal;      // unit length, to the front
   Vec3 point;       // a point of the plane
   double flatness;  // the largest distance of the corners from the plane
+  double tilt;      // how far, in radians, corners moved by that (or by rounding) could turn the plane; a light nearer to the plane than this sees it edge-on
 };
 
 struct Edge {  // an undirected edge of the mesh; its line of light is shared by the facets on both sides
@@ -162,7 +166,7 @@ class Scene {
   // Returns its index. Cost: O(corners log corners), quadratic only in the corners of a single concave outline.
   // Throws Error when the pose is not finite and invertible, or when the scene exceeds 2^29 edges.
   std::uint32_t add(const Mesh& mesh, const ObjectSettings& settings);
-  // Throws Error when a coordinate is not finite, a direction is zero, the range is not positive or the half angle is out of bounds.
+  // Throws Error as check() does.
   std::uint32_t add(const Light& light);
 
   std::span<const Object> objects() const { return objects_; }

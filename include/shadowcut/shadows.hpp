@@ -2,7 +2,8 @@
 // wholly shadowed.
 //
 // A point x of a face is shadowed by a light iff some *other* face that casts has a point strictly between x and the light
-// (contact is not occlusion), or x is on a side turned away from the light.
+// (contact is not occlusion), or x is on a side turned away from the light. A face that was not flat is several facets in planes of their own, which may
+// shadow each other.
 //
 // Source: Y. Chrysanthou, M. Slater, "Shadow Volume BSP Trees for Computation of Shadows in Dynamic Scenes", I3D 1995 (CS95).
 // docs/design.md says where the engine departs from it.
@@ -128,7 +129,7 @@ struct LightSets {
 };
 
 // The one-off call. Cost: about n log n for n facets where shadows overlap little, and in proportion to the fragments made otherwise.
-// Throws std::bad_alloc when memory runs out; there is no other failure.
+// Throws Error when the light is not usable (see check()), and std::bad_alloc when memory runs out.
 Shadows cast_shadows(const Scene& scene, const Light& light, const Options& options = {});
 
 // The engine that remembers: one tree for each light of the scene. The scene must outlive it and stay unchanged.

@@ -128,7 +128,7 @@ class Query {
       if (signs.positive() && signs.negative()) {
         if (is_pp) {
           const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-          crossing = {{n[0] / length, n[1] / length, n[2] / length}, static_cast<float>(n_error / length) + 1e-15f};
+          crossing = {{n[0] / length, n[1] / length, n[2] / length}, static_cast<float>(n_error / length + 2 * unit_roundoff) * (1 + 0x1p-22f), none, none};
         } else if (frame.cell != none) {
           crossing = light_.cells()[frame.cell].line(cut);
         } else {
@@ -138,7 +138,7 @@ class Query {
         const auto id = static_cast<std::uint32_t>(light_.tables().lines.size() + cut_lines_.size());
         cut_lines_.push_back(crossing);
         Cone *positive, *negative;
-        split(cone, signs, crossing.n, crossing.error, id, true, [this](std::uint32_t i) -> const Line& { return line(i); }, w_.pool, positive, negative);
+        split(cone, signs, crossing.n, crossing.error, id, true, light_.tables().rays, [this](std::uint32_t i) -> const Line& { return line(i); }, w_.pool, positive, negative);
         frames_.push_back({frame.cone, frame.cell, frame.place, answers.size(), true});
         frames_.push_back({positive, cell[0], sides[0], 0, false});
         if (is_pp) {

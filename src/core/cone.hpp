@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <new>
@@ -204,12 +205,38 @@ class Signs {
   const std::int8_t* large_ = nullptr;         // beyond: each
 };
 
+// a*b - c*d with an error of about one rounding of the result: Dekker's products (1971) give what the plain ones drop. Swapping the products changes
+// the sign and nothing else.
+inline double difference_of_products(double a, double b, double c, double d) {
+  const auto two_product_tail = [](double x, double y, double p) {
+    constexpr double splitter = 0x1p27 + 1;
+    const double xs = splitter * x, ys = splitter * y;
+    const double xh = xs - (xs - x), yh = ys - (ys - y), xl = x - xh, yl = y - yh;
+    return ((xh * yh - p) + xh * yl + xl * yh) + xl * yl;
+  };
+  const double p = a * b, q = c * d;
+  return (p - q) + (two_product_tail(a, b, p) - two_product_tail(c, d, q));
+}
+
+// The cross product of two unit lines. Where they are nearly parallel the plain product loses the digits that say where along them they meet; the
+// corner would then lie beside both, and the areas on the two sides of a T-junction would no longer add up.
+inline void cross(const double a[3], const double b[3], double out[3]) {
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
+  if (out[0] * out[0] + out[1] * out[1] + out[2] * out[2] >= 0x1p-6) return;
+  out[0] = difference_of_products(a[1], b[2], a[2], b[1]);
+  out[1] = difference_of_products(a[2], b[0], a[0], b[2]);
+  out[2] = difference_of_products(a[0], b[1], a[1], b[0]);
+}
+
 // Cuts a cone that has corners on both sides of a line. The corners between which the sign changes for certain get a new corner; a corner that is on the
-// line serves as it is. m is the line, m_error its error, `cut` its id; `lines(id)` gives the line of an edge.
+// line serves as it is. m is the line, m_error its error, `cut` its id; `lines(id)` gives the line of an edge. Two lines of edges that share a
+// vertex meet in that vertex's ray, and get its numbers: every such corner is the same to the bit, whichever of the vertex's edges cut it out.
 // `bounded`: whether a node of the tree stands on the cut.
 template <class Lines>
-void split(const Cone& c, const Signs& signs, const double m[3], float m_error, std::uint32_t cut, bool bounded, const Lines& lines, ConePool& pool,
-           Cone*& positive, Cone*& negative) {
+void split(const Cone& c, const Signs& signs, const double m[3], float m_error, std::uint32_t cut, bool bounded, std::span<const VertexRay> rays, const Lines& lines,
+           ConePool& pool, Cone*& positive, Cone*& negative) {
   const std::uint32_t n = c.count;
   const ConeCorner* const k = c.corners();
   const auto next = [n](std::uint32_t i) { return i + 1 == n ? 0 : i + 1; };
@@ -219,18 +246,30 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
   signs.changes(down, up);
 
   float error = c.error;
+  const Line& mine = lines(cut);
   // Where the edge leaving the corner meets the line, with that edge for its own; the edge is followed by the cut on its positive side when it goes
   // down, and follows it when it comes up. The product changes sign, and nothing else, with the order: both sides of a cut get the same numbers.
   const auto point = [&](const Change& change, bool downward) -> ConeCorner {
     ConeCorner p = k[change.corner];
     if (change.on) return p;
     const Line& l = lines(p.edge.line());
-    const double s = p.edge.negative() == downward ? -1.0 : 1.0;
-    p.r[0] = s * (l.n[1] * m[2] - l.n[2] * m[1]);
-    p.r[1] = s * (l.n[2] * m[0] - l.n[0] * m[2]);
-    p.r[2] = s * (l.n[0] * m[1] - l.n[1] * m[0]);
     p.vertex = none;
-    error = std::max(error, l.error + m_error + static_cast<float>(corner_slack));
+    if (l.a != none && mine.a != none) {
+      const std::uint32_t shared = l.a == mine.a || l.a == mine.b ? l.a : l.b == mine.a || l.b == mine.b ? l.b : none;
+      if (shared != none) {
+        // The planes meet in that ray and in its opposite; the crossing lies between the edge's ends.
+        const double *r = rays[shared].r, *from = k[change.corner].r, *to = k[next(change.corner)].r;
+        const auto dot = [](const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+        const double s = dot(r, from) * std::abs(dot(m, to)) + dot(r, to) * std::abs(dot(m, from)) < 0 ? -1.0 : 1.0;
+        for (int i = 0; i < 3; ++i) p.r[i] = s * r[i];
+        error = std::max(error, rays[shared].error);
+        return p;
+      }
+    }
+    const double s = p.edge.negative() == downward ? -1.0 : 1.0;
+    cross(l.n, m, p.r);
+    for (double& c : p.r) c *= s;
+    error = std::max(error, (l.error + m_error + static_cast<float>(corner_slack)) * (1 + 0x1p-22f));
     return p;
   };
   const ConeCorner p_down = point(down, true), p_up = point(up, false);
@@ -259,14 +298,14 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
 // cut_off is its negative part, otherwise null. A cone that lies on the line altogether (a sliver that rounding made) goes to the positive side.
 // on: grows by the number of corners on the line.
 template <class Lines>
-std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t line, const Lines& lines, ConePool& pool, std::vector<std::int8_t>& spill,
-                   Cone*& cut_off, std::uint64_t& on) {
+std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t line, std::span<const VertexRay> rays, const Lines& lines, ConePool& pool,
+                   std::vector<std::int8_t>& spill, Cone*& cut_off, std::uint64_t& on) {
   cut_off = nullptr;
   const Signs signs(*cone, m, static_cast<double>(m_error) + static_cast<double>(cone->error) + sign_slack, spill);
   if (signs.any_on()) on += signs.on();
   if (signs.positive() && signs.negative()) {
     Cone* positive;
-    split(*cone, signs, m, m_error, line, true, lines, pool, positive, cut_off);
+    split(*cone, signs, m, m_error, line, true, rays, lines, pool, positive, cut_off);
     pool.give_back(cone);
     cone = positive;
     return 0;

@@ -14,8 +14,16 @@ struct FragmentRef {
   std::uint32_t face, output, fragment;
 };
 
-struct End {  // a corner at the end of an edge
+// A line as it lies in a face. A face that was not flat has several planes, and a line that cuts two of them lies in each elsewhere; only the
+// facets' own edges are in both.
+struct Key {
   std::uint64_t line;
+  std::uint32_t plane;  // none: the line is an edge of the facet
+  friend auto operator<=>(const Key&, const Key&) = default;
+};
+
+struct End {  // a corner at the end of an edge
+  Key line;
   double along;
   Vec3 x;
 };
@@ -25,14 +33,21 @@ struct Insertion {  // behind which corner of which fragment
   Vec3 x;
 };
 
+Key key_of(const Scene& scene, std::uint32_t facet, std::uint64_t line) {
+  for (const Corner& c : scene.corners_of(scene.facets()[facet])) {
+    if (c.edge >> 1 == line) return {line, none};
+  }
+  return {line, scene.facets()[facet].plane};
+}
+
 // The face's edges' ends, sorted by line and along it.
-std::vector<End> ends_of(std::span<const FragmentRef> face, const std::vector<CellOutput>& outputs) {
+std::vector<End> ends_of(const Scene& scene, std::span<const FragmentRef> face, const std::vector<CellOutput>& outputs) {
   std::vector<End> ends;
   for (const FragmentRef& ref : face) {
     const CellOutput& o = outputs[ref.output];
     const Fragment& f = o.block.fragments[ref.fragment];
     for (std::uint32_t i = 0; i < f.corner_count; ++i) {
-      const std::uint64_t line = o.edge_lines[f.first_corner + i];
+      const Key line = key_of(scene, f.facet, o.edge_lines[f.first_corner + i]);
       ends.push_back({line, 0, o.block.corners[f.first_corner + i]});
       ends.push_back({line, 0, o.block.corners[f.first_corner + (i + 1) % f.corner_count]});
     }
@@ -52,10 +67,10 @@ std::vector<End> ends_of(std::span<const FragmentRef> face, const std::vector<Ce
 }
 
 // The corners strictly between the ends of the edge a -> b, in its direction.
-void between(const std::vector<End>& ends, std::uint64_t line, const Vec3& a, const Vec3& b, std::vector<Vec3>& out) {
+void between(const std::vector<End>& ends, Key line, const Vec3& a, const Vec3& b, std::vector<Vec3>& out) {
   out.clear();
-  auto first = std::lower_bound(ends.begin(), ends.end(), line, [](const End& e, std::uint64_t l) { return e.line < l; });
-  const auto last = std::upper_bound(first, ends.end(), line, [](std::uint64_t l, const End& e) { return l < e.line; });
+  auto first = std::lower_bound(ends.begin(), ends.end(), line, [](const End& e, Key l) { return e.line < l; });
+  const auto last = std::upper_bound(first, ends.end(), line, [](Key l, const End& e) { return l < e.line; });
   double at_a = 0, at_b = 0;
   for (auto e = first; e != last; ++e) {
     if (e->x == a) at_a = e->along;
@@ -72,7 +87,7 @@ void between(const std::vector<End>& ends, std::uint64_t line, const Vec3& a, co
 
 }  // namespace
 
-void make_conforming(std::vector<CellOutput>& outputs) {
+void make_conforming(const Scene& scene, std::vector<CellOutput>& outputs) {
   std::vector<FragmentRef> refs;
   for (std::uint32_t o = 0; o < outputs.size(); ++o) {
     const auto& fragments = outputs[o].block.fragments;
@@ -91,14 +106,14 @@ void make_conforming(std::vector<CellOutput>& outputs) {
   std::vector<std::vector<std::vector<Insertion>>> insertions(outputs.size());
   for (std::size_t o = 0; o < outputs.size(); ++o) insertions[o].resize(outputs[o].block.fragments.size());
   tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t i) {
-    const std::vector<End> ends = ends_of(faces[i], outputs);
+    const std::vector<End> ends = ends_of(scene, faces[i], outputs);
     std::vector<Vec3> found;
     for (const FragmentRef& ref : faces[i]) {
       const CellOutput& o = outputs[ref.output];
       const Fragment& f = o.block.fragments[ref.fragment];
       for (std::uint32_t k = 0; k < f.corner_count; ++k) {
         const std::uint32_t here = f.first_corner + k, next = f.first_corner + (k + 1) % f.corner_count;
-        between(ends, o.edge_lines[here], o.block.corners[here], o.block.corners[next], found);
+        between(ends, key_of(scene, f.facet, o.edge_lines[here]), o.block.corners[here], o.block.corners[next], found);
         for (const Vec3& x : found) insertions[ref.output][ref.fragment].push_back({k, x});
       }
     }

@@ -8,6 +8,6 @@
 namespace shadowcut {
 
 // Adds to every fragment the corners of other fragments of its face that lie on its edges. Fragments stay where they are in their blocks.
-void make_conforming(std::vector<CellOutput>& outputs);
+void make_conforming(const Scene& scene, std::vector<CellOutput>& outputs);
 
 }  // namespace shadowcut

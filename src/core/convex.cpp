@@ -1,9 +1,9 @@
 // Ear clipping with exact signs, then Hertel & Mehlhorn's merging.
 //
-// Why the result can be trusted: the outline does not cross itself, so its winding number is 0 or 1 everywhere. Every clipped ear is a
-// triangle of positive turn, and the triangles' boundaries add up to the outline's; so at every point the number of triangles
-// that cover it equals the winding number: they tile the figure without overlap. A figure for which no such sequence of ears
-// is found is refused, never cut wrongly.
+// Why the result can be trusted: every clipped ear is a triangle of positive turn, and the triangles' boundaries add up to the outline's; so at every
+// point the number of triangles that cover it equals the outline's winding number. An outline that does not cross itself may still run round some place
+// twice, by passing through a corner or along an edge of its own; so it is tested that no two triangles overlap. Then they tile the figure. A figure
+// for which no such sequence of ears is found is refused, never cut wrongly.
 
 #include "convex.hpp"
 
@@ -146,6 +146,27 @@ bool clip_ears(std::span<const Vec2> p, Loop loop, std::vector<Loop>& triangles)
   return true;
 }
 
+// Two triangles are apart when one has an edge with all of the other on its outside, or on it.
+bool apart(std::span<const Vec2> p, const Loop& s, const Loop& t) {
+  const auto shuts_out = [&](const Loop& a, const Loop& b) {
+    for (int i = 0; i < 3; ++i) {
+      const Vec2 &from = p[a[static_cast<std::size_t>(i)]], &to = p[a[static_cast<std::size_t>((i + 1) % 3)]];
+      if (turn(from, to, p[b[0]]) <= 0 && turn(from, to, p[b[1]]) <= 0 && turn(from, to, p[b[2]]) <= 0) return true;
+    }
+    return false;
+  };
+  return shuts_out(s, t) || shuts_out(t, s);
+}
+
+bool any_overlap(std::span<const Vec2> p, const std::vector<Loop>& triangles) {
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    for (std::size_t j = i + 1; j < triangles.size(); ++j) {
+      if (!apart(p, triangles[i], triangles[j])) return true;
+    }
+  }
+  return false;
+}
+
 // Removes diagonals between parts as long as the union stays convex.
 void merge_parts(std::span<const Vec2> p, std::vector<Loop>& parts) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> owner;  // directed edge -> part
@@ -225,7 +246,7 @@ ConvexResult convex_parts(std::span<const Vec2> p, std::vector<Loop> loops, bool
     if (!bridge(p, outer, hole, holes)) return ConvexResult::self_intersecting;
   }
   std::vector<Loop> triangles;
-  if (!clip_ears(p, std::move(outer), triangles) || triangles.empty()) return ConvexResult::self_intersecting;
+  if (!clip_ears(p, std::move(outer), triangles) || triangles.empty() || any_overlap(p, triangles)) return ConvexResult::self_intersecting;
   if (merge) merge_parts(p, triangles);
   parts.insert(parts.end(), std::make_move_iterator(triangles.begin()), std::make_move_iterator(triangles.end()));
   return ConvexResult::ok;

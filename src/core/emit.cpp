@@ -106,7 +106,7 @@ class CellEmitter {
         if (state != mixed_state) break;
         const Node& node = nodes_[here.node()];
         Cone* cut_off;
-        place = here.node() * 2 + sift(cone, node.n, node.error, node.id, line_of, w_.pool, w_.spill, cut_off, on);
+        place = here.node() * 2 + sift(cone, node.n, node.error, node.id, target_.tables.rays, line_of, w_.pool, w_.spill, cut_off, on);
         if (cut_off) {
           cut_off->at = here.node() * 2 + 1;
           w_.pending.push_back(cut_off);

@@ -16,6 +16,7 @@ int threads_of(const Options& options) {
 }  // namespace
 
 Shadows cast_shadows(const Scene& scene, const Light& light, const Options& options) {
+  check(light, "light");
   tbb::task_arena arena(threads_of(options));
   return arena.execute([&] { return LightTree(scene, light, options).take_shadows(); });
 }
@@ -32,6 +33,7 @@ Engine::Engine(Engine&&) noexcept = default;
 Engine& Engine::operator=(Engine&&) noexcept = default;
 
 std::size_t Engine::add_light(const Light& light) {
+  check(light, "light " + std::to_string(impl_->lights.size()));
   tbb::task_arena arena(threads_of(impl_->options));
   arena.execute([&] { impl_->lights.push_back(std::make_unique<LightTree>(impl_->scene, light, impl_->options)); });
   return impl_->lights.size() - 1;

@@ -20,6 +20,9 @@ LightSpace::LightSpace(const Light& light, const Eigen::AlignedBox3d& box) {
   const Vec3 d = directional ? light.at.stableNormalized().eval() : Vec3(middle - light.at);
   far_ = directional || d.stableNorm() > far_radii * radius;
   center_ = far_ ? middle : light.at;
+  int exponent;
+  std::frexp(far_ ? radius : std::max(radius, d.stableNorm()), &exponent);
+  scale_ = std::ldexp(1.0, exponent), inverse_scale_ = std::ldexp(1.0, -exponent);
   if (!far_) {
     handedness_ = -1;  // the light looks outward from the origin, where a x b > 0 inside goes with clockwise
     return;
@@ -32,15 +35,15 @@ LightSpace::LightSpace(const Light& light, const Eigen::AlignedBox3d& box) {
   inverse_depth_ = directional ? 0 : 1 / d[z];
   sign_ = d[z] > 0 ? 1 : -1;
   handedness_ = d[z] > 0 ? -1 : 1;  // the light looks along its axis: at the (x, y) plane's back when d_z > 0
-  int exponent;
-  std::frexp(radius, &exponent);
-  scale_ = std::ldexp(1.0, exponent), inverse_scale_ = std::ldexp(1.0, -exponent);
 }
 
 // Near: one rounding a component. Far: X has one rounding; a sheared component at most five roundings of |X_x| + |X_z| (|shear| <= 1).
 LightSpace::Raw LightSpace::raw_ray(const Vec3& x) const {
   const Vec3 d = x - center_;
-  if (!far_) return {d, unit_roundoff * d.norm()};
+  if (!far_) {
+    const Vec3 r = d * inverse_scale_;
+    return {r, unit_roundoff * r.norm()};
+  }
   const double a = d[axis_[0]], b = d[axis_[1]], c = d[axis_[2]];
   const Vec3 r((a - shear_x_ * c) * inverse_scale_, (b - shear_y_ * c) * inverse_scale_, 1 + c * inverse_depth_);
   const double size = (std::abs(a) + std::abs(b) + 2 * std::abs(c)) * inverse_scale_;
@@ -60,8 +63,8 @@ Line LightSpace::line(const Vec3& a, const Vec3& b) const {
   const Raw ra = raw_ray(a), rb = raw_ray(b);
   const Raw& from = ra.r.squaredNorm() <= rb.r.squaredNorm() ? ra : rb;
   const Vec3 d = b - a;
-  Vec3 e = d;
-  double e_error = unit_roundoff * d.norm();
+  Vec3 e = d * inverse_scale_;
+  double e_error = unit_roundoff * e.norm();
   if (far_) {
     const double x = d[axis_[0]], y = d[axis_[1]], z = d[axis_[2]];
     e = Vec3((x - shear_x_ * z) * inverse_scale_, (y - shear_y_ * z) * inverse_scale_, z * inverse_depth_);
@@ -70,28 +73,32 @@ Line LightSpace::line(const Vec3& a, const Vec3& b) const {
   const Vec3 n = from.r.cross(e);
   const double r_length = from.r.norm(), e_length = e.norm(), length = n.norm();
   const double error = r_length * e_error + e_length * from.error + 4 * unit_roundoff * r_length * e_length;
-  return {{n[0] / length, n[1] / length, n[2] / length}, up(error / length + 2 * unit_roundoff)};
+  return {{n[0] / length, n[1] / length, n[2] / length}, up(error / length + 2 * unit_roundoff), none, none};
 }
 
-// The signed distance of the light from the plane, to a positive factor: positive when the front is turned away.
-double LightSpace::awayness(const Plane& p, double& error) const {
+// The signed distance of the light from the plane, to a positive factor: positive when the front is turned away. error: of this number, for the plane
+// as given; tilted: how far it may move because the plane is only as sure as its corners.
+double LightSpace::awayness(const Plane& p, double& error, double& tilted) const {
   const Vec3 d = p.point - center_;
   const Vec3 m = p.normal;
-  const double reach = m.dot(d), size = m.cwiseAbs().dot(d.cwiseAbs());
+  const double reach = m.dot(d) * inverse_scale_, size = m.cwiseAbs().dot(d.cwiseAbs()) * inverse_scale_, flatness = p.flatness * inverse_scale_;
   if (!far_) {
-    error = 6 * unit_roundoff * size + p.flatness;
+    error = 6 * unit_roundoff * size + flatness;
+    tilted = p.tilt * d.stableNorm() * inverse_scale_;
     return reach;
   }
+  const double inverse_depth = inverse_depth_ * scale_;
   const double mx = m[axis_[0]], my = m[axis_[1]], mz = m[axis_[2]];
-  const double k = mx * shear_x_ + my * shear_y_ + mz + reach * inverse_depth_;
-  error = 8 * unit_roundoff * (std::abs(mx) + std::abs(my) + std::abs(mz) + size * std::abs(inverse_depth_)) + p.flatness * std::abs(inverse_depth_);
+  const double k = mx * shear_x_ + my * shear_y_ + mz + reach * inverse_depth;
+  error = 8 * unit_roundoff * (std::abs(mx) + std::abs(my) + std::abs(mz) + size * std::abs(inverse_depth)) + flatness * std::abs(inverse_depth);
+  tilted = 2 * p.tilt;
   return k * sign_;
 }
 
 Turned LightSpace::turned(const Plane& p) const {
-  double error;
-  const double g = awayness(p, error);
-  if (!(std::abs(g) > 2 * error)) return Turned::edge_on;
+  double error, tilted;
+  const double g = awayness(p, error, tilted);
+  if (!(std::abs(g) > 2 * (error + tilted))) return Turned::edge_on;
   return g > 0 ? Turned::away : Turned::toward;
 }
 
@@ -99,19 +106,18 @@ Turned LightSpace::turned(const Plane& p) const {
 PlaneRay LightSpace::plane(const Plane& p) const {
   const Vec3 d = p.point - center_;
   const Vec3& m = p.normal;
-  const double reach = m.dot(d), size = m.cwiseAbs().dot(d.cwiseAbs());
-  double g_error;
-  const double g = awayness(p, g_error);
+  const double reach = m.dot(d) * inverse_scale_, size = m.cwiseAbs().dot(d.cwiseAbs()) * inverse_scale_;
+  double g_error, unused;
+  const double g = awayness(p, g_error, unused);
   PlaneRay out{};
   double numerator_error = 0;  // absolute, beyond the rounding of each component
   if (!far_) {
     for (int i = 0; i < 3; ++i) out.q[i] = m[i] / reach;
   } else {
-    const double k = g * scale_;  // sign_ R K; m was sheared in awayness
-    out.q[0] = scale_ * m[axis_[0]] / k;
-    out.q[1] = scale_ * m[axis_[1]] / k;
-    out.q[2] = -reach / k;
-    numerator_error = (unit_roundoff * (2 * scale_ + 5 * size) + p.flatness) / scale_;
+    out.q[0] = m[axis_[0]] / g;  // g is sign_ K: m was sheared in awayness
+    out.q[1] = m[axis_[1]] / g;
+    out.q[2] = -reach / g;
+    numerator_error = unit_roundoff * (2 + 5 * size) + p.flatness * inverse_scale_;
   }
   const double length = std::sqrt(out.q[0] * out.q[0] + out.q[1] * out.q[1] + out.q[2] * out.q[2]);
   // The relative error of the denominator moves all of q.

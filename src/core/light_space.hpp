@@ -5,7 +5,7 @@
 //   - a face's plane is a covector q with q.r = h on the plane, so along a ray r the point with the greater q.r is nearer to the light;
 //   - a plane through the light is a covector n: n.r = 0.
 // Three frames differ only in T:
-//   near point light    C = the light, r = x - C, h = 1                         (q.r is 1 / distance along the ray)
+//   near point light    C = the light, r = (x - C) / scale, h = 1               (q.r is 1 / distance along the ray)
 //   far point light     C = the scene's centre, r sheared and scaled to the scene's size: the light's distance cancels by algebra, not in digits
 //   directional light   the far frame's limit (1 / distance to the light = 0)
 //
@@ -29,6 +29,7 @@ inline constexpr double corner_slack = 3 * unit_roundoff;  // of one cross produ
 struct Line {  // a plane through the light; as seen from the light, a line
   double n[3];
   float error;
+  std::uint32_t a = none, b = none;  // the vertices whose rays lie on it, where it is an edge's
 };
 
 struct PlaneRay {  // a face's plane in light space
@@ -50,14 +51,14 @@ class LightSpace {
   LightSpace(const Light& light, const Eigen::AlignedBox3d& box);
 
   VertexRay ray(const Vec3& x) const;
-  Line line(const Vec3& a, const Vec3& b) const;  // through the edge a -> b: positive on the left as the light sees it, or its mirror image
+  Line line(const Vec3& a, const Vec3& b) const;  // through the edge a -> b: positive on the left as the light sees it, or its mirror image; a, b unset
   PlaneRay plane(const Plane& p) const;           // only for planes not seen edge-on
   Turned turned(const Plane& p) const;
   // The point where the ray r meets the plane q.
   Vec3 back(const double r[3], const double q[3]) const {
     const double h = q[0] * r[0] + q[1] * r[1] + q[2] * r[2];
     if (far_) return back_from_far(r, h);
-    const double s = 1 / h;
+    const double s = scale_ / h;
     return {center_[0] + r[0] * s, center_[1] + r[1] * s, center_[2] + r[2] * s};
   }
 
@@ -72,7 +73,7 @@ class LightSpace {
   };
   Vec3 back_from_far(const double r[3], double h) const;
   Raw raw_ray(const Vec3& x) const;
-  double awayness(const Plane& p, double& error) const;
+  double awayness(const Plane& p, double& error, double& tilted) const;
 
   bool far_;
   Vec3 center_;
@@ -80,7 +81,7 @@ class LightSpace {
   double shear_x_ = 0, shear_y_ = 0;    // far: d_x / d_z, d_y / d_z
   double inverse_depth_ = 0;            // far: 1 / d_z; directional: 0
   double sign_ = 1;                     // far: of d_z
-  double scale_ = 1, inverse_scale_ = 1;  // far: the scene's radius, a power of two
+  double scale_ = 1, inverse_scale_ = 1;  // the scene's size as the light sees it, a power of two: neither tiny nor huge scenes leave the range of float and double
   int handedness_ = 1;
 };
 

@@ -21,9 +21,13 @@ using Clock = std::chrono::steady_clock;
 
 double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
 
-Eigen::AlignedBox3d box_of(const Scene& scene) {
+Eigen::AlignedBox3d box_of(const Scene& scene) {  // of what the light has to do with
   Eigen::AlignedBox3d box;
-  for (const Vec3& v : scene.vertices()) box.extend(v);
+  for (const Facet& facet : scene.facets()) {
+    const Object& object = scene.objects()[scene.faces()[facet.face].object];
+    if (!object.casts && !object.receives) continue;
+    for (const Corner& c : scene.corners_of(facet)) box.extend(scene.vertices()[c.vertex]);
+  }
   return box;
 }
 
@@ -86,17 +90,26 @@ void LightTree::face_the_light() {
   if (light_.kind == Light::Kind::point) {
     parallel(holds_light.size(), 16, [&](std::size_t o) {
       const Object& object = scene_.objects()[o];
-      holds_light[o] = object.sides == Sides::closed && inside_solid(scene_, object, light_.at);
+      holds_light[o] = object.sides == Sides::closed && in_or_on_solid(scene_, object, light_.at);
     });
   }
-  const bool limited = light_.kind == Light::Kind::point && (std::isfinite(light_.range) || light_.spot);
+  std::vector<std::uint8_t> unreached;  // by face: a face that is partly within reach is treated whole
+  if (light_.kind == Light::Kind::point && (std::isfinite(light_.range) || light_.spot)) {
+    unreached.resize(scene_.faces().size(), 1);
+    parallel(unreached.size(), 256, [&](std::size_t f) {
+      const Face& face = scene_.faces()[f];
+      for (const Facet& facet : facets.subspan(face.first_facet, face.facet_count)) {
+        if (within_reach(scene_, facet, light_)) unreached[f] = 0;
+      }
+    });
+  }
   parallel(facets.size(), 1024, [&](std::size_t i) {
     const Facet& facet = facets[i];
     const std::uint32_t o = scene_.faces()[facet.face].object;
     const Object& object = scene_.objects()[o];
     turned_[i] = space_.turned(scene_.planes()[facet.plane]);
     if (!object.receives) facing_[i] = Facing::ignored;
-    if (limited && !within_reach(scene_, facet, light_)) {
+    if (!unreached.empty() && unreached[facet.face]) {
       if (object.receives) facing_[i] = Facing::out_of_reach;
       return;
     }
@@ -127,7 +140,9 @@ void LightTree::fill_tables() {
   });
   parallel(edge_used.size(), 4096, [&](std::size_t i) {
     const Edge& e = scene_.edges()[i];
-    if (edge_used[i]) tables_.lines[i] = space_.line(vertices[e.a], vertices[e.b]);
+    if (!edge_used[i]) return;
+    tables_.lines[i] = space_.line(vertices[e.a], vertices[e.b]);
+    tables_.lines[i].a = e.a, tables_.lines[i].b = e.b;
   });
   parallel(plane_used.size(), 4096, [&](std::size_t i) {
     if (plane_used[i]) tables_.planes[i] = space_.plane(scene_.planes()[i]);
@@ -240,7 +255,7 @@ void LightTree::build(const std::vector<std::uint32_t>& order, const Options& op
       Chunk& chunk = chunks[c];
       for (std::size_t i = c * chunk_size; i < std::min(order.size(), (c + 1) * chunk_size); ++i) {
         Cone* whole = cone_of_facet(order[i], w.pool);
-        prefix_->filter(whole, line_of, w.pool, w.spill, w.pending, [&](std::uint32_t cell, Cone* part) {
+        prefix_->filter(whole, tables_.rays, line_of, w.pool, w.spill, w.pending, [&](std::uint32_t cell, Cone* part) {
           const auto first = static_cast<std::uint32_t>(chunk.corners.size());
           // A part never pushed apart from the facet it came from is told by its edges: no cut, no mark.
           bool is_whole = part->count == scene_.facets()[part->facet].corner_count;
@@ -322,7 +337,7 @@ void LightTree::emit(const Options& options) {
     const FragmentId id{static_cast<std::uint32_t>(cells_.size()), i, none};
     away.block.fragments.push_back({id, facet.face, i, none, first, facet.corner_count, false, area_of_facet(target, i, false)});
   }
-  if (conforming) make_conforming(outputs);
+  if (conforming) make_conforming(scene_, outputs);
   shadows_.blocks.reserve(outputs.size());
   for (CellOutput& o : outputs) shadows_.blocks.push_back(std::move(o.block));
 }

@@ -53,7 +53,8 @@ class LightTree {
 // Whether any point of the facet is within the light's range and cone.
 bool within_reach(const Scene& scene, const Facet& facet, const Light& light);
 
-// Whether a point lies inside the solid that the object's faces bound.
-bool inside_solid(const Scene& scene, const Object& object, const Vec3& point);
+// Whether a point lies inside the solid that the object's faces bound, or on its surface. In doubt it says yes: then far-side faces cast
+// too, which is never wrong, only work.
+bool in_or_on_solid(const Scene& scene, const Object& object, const Vec3& point);
 
 }  // namespace shadowcut

@@ -66,7 +66,7 @@ Prefix::Prefix(std::vector<Vec3> rays, bool far, std::uint32_t facets_per_cell, 
       if (cut > range.begin && cut < range.end) {
         branch = Branch::node(static_cast<std::uint32_t>(nodes_.size()));
         nodes_.push_back({static_cast<std::uint32_t>(lines.size()), {Branch::cell(0), Branch::cell(0)}});
-        lines.push_back({{n[0], n[1], n[2]}, 0.0f});  // the line is what these numbers say: no error
+        lines.push_back({{n[0], n[1], n[2]}, 0.0f, none, none});  // the line is what these numbers say: no error
         pending.push_back({cut, range.end, branch.index(), 1, range.depth + 1});
         pending.push_back({range.begin, cut, branch.index(), 0, range.depth + 1});
       }

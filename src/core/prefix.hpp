@@ -35,7 +35,7 @@ class Prefix {
 
   // Filters a cone into the cells it meets; deliver(cell, cone) takes each part.
   template <class Lines, class Deliver>
-  void filter(Cone* cone, const Lines& lines, ConePool& pool, std::vector<std::int8_t>& spill, std::vector<Cone*>& pending, Deliver deliver) const {
+  void filter(Cone* cone, std::span<const VertexRay> rays, const Lines& lines, ConePool& pool, std::vector<std::int8_t>& spill, std::vector<Cone*>& pending, Deliver deliver) const {
     cone->at = root_.bits;
     std::uint64_t on = 0;
     const std::size_t bottom = pending.size();
@@ -48,7 +48,7 @@ class Prefix {
         const Node& node = nodes_[here.index()];
         const Line& line = lines(node.line);
         Cone* cut_off;
-        here = node.side[sift(cone, line.n, line.error, node.line, lines, pool, spill, cut_off, on)];
+        here = node.side[sift(cone, line.n, line.error, node.line, rays, lines, pool, spill, cut_off, on)];
         if (cut_off) {
           cut_off->at = node.side[1].bits;
           pending.push_back(cut_off);

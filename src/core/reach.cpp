@@ -54,11 +54,12 @@ double angle_to_facet(const Scene& scene, const Facet& facet, const Vec3& light,
 bool within_reach(const Scene& scene, const Facet& facet, const Light& light) {
   if (light.kind != Light::Kind::point) return true;
   if (std::isfinite(light.range) && distance_to_facet(scene, facet, light.at) > light.range) return false;
-  return !light.spot || angle_to_facet(scene, facet, light.at, light.spot->axis) <= light.spot->half_angle;
+  return !light.spot || angle_to_facet(scene, facet, light.at, light.spot->axis.stableNormalized()) <= light.spot->half_angle;
 }
 
-// By the winding number: the solid angles of all triangles, signed (Van Oosterom & Strackee 1983), add up to 4 pi inside and 0 outside.
-bool inside_solid(const Scene& scene, const Object& object, const Vec3& p) {
+// By the winding number: the solid angles of all triangles, signed (Van Oosterom & Strackee 1983), add up to 4 pi inside, to 0 outside, and to something
+// between on the surface: at an edge or a vertex the solid takes up a part of all directions.
+bool in_or_on_solid(const Scene& scene, const Object& object, const Vec3& p) {
   Eigen::AlignedBox3d box;
   for (std::uint32_t i = 0; i < object.vertex_count; ++i) box.extend(scene.vertices()[object.first_vertex + i]);
   if (!box.contains(p)) return false;
@@ -71,11 +72,13 @@ bool inside_solid(const Scene& scene, const Object& object, const Vec3& p) {
       const Vec3 a = to(0);
       for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
         const Vec3 b = to(i), c = to(i + 1);
-        sum += 2 * std::atan2(a.dot(b.cross(c)), 1 + a.dot(b) + b.dot(c) + c.dot(a));
+        const double det = a.dot(b.cross(c));
+        if (std::abs(det) < 1e-12) continue;  // seen edge-on: nothing, or, from within the triangle, a half-space of uncertain sign
+        sum += 2 * std::atan2(det, 1 + a.dot(b) + b.dot(c) + c.dot(a));
       }
     }
   }
-  return std::abs(sum) > 2 * std::numbers::pi;
+  return std::abs(sum) > 1e-6;
 }
 
 }  // namespace shadowcut

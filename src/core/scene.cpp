@@ -119,7 +119,7 @@ class Door {
       }
       faces.push_back(face);
       if (face.facet_count) {
-        note_connectivity(face, edge_ids);
+        note_connectivity(edge_ids);
       } else {
         outline_face_.push_back(none);
       }
@@ -210,6 +210,8 @@ class Door {
       for (const std::uint32_t v : l) out.plane.flatness = std::max(out.plane.flatness, std::abs(out.plane.normal.dot(vertices[v] - origin)));
     }
     out.area = length / 2 * size * size;
+    // Over the face's least width, which is no less than area / diameter.
+    out.plane.tilt = (out.plane.flatness + 8 * unit_roundoff * size) / size / (length / 2 / (out.diameter / size));
     if (out.area == 0) out.zero = true;
     return out;
   }
@@ -273,26 +275,26 @@ class Door {
   }
 
   // The outline, not the facets, says what a face is joined to: cutting may have left out straight corners.
-  void note_connectivity(const Face& face, IdTable& edge_ids) {
+  void note_connectivity(IdTable& edge_ids) {
     outline_face_.push_back(static_cast<std::uint32_t>(outline_.size()));
     for (const Loop& l : loops_) {
       for (std::size_t i = 0; i < l.size(); ++i) outline_.push_back(edge_id(edge_ids, l[i], l[(i + 1) % l.size()]));
     }
+  }
+
+  // Six times the volume of the cone from a point over a face, in units of size^3.
+  double sixfold_cone(const Face& face, const Vec3& from, double size) const {
+    double sixfold = 0;
     for (std::uint32_t k = 0; k < face.facet_count; ++k) {
       const Facet& facet = facets[face.first_facet + k];
-      const Vec3 a = vertices[corners[facet.first_corner].vertex] - vertices[0];
-      double sixfold = 0;
-      for (std::uint32_t i = 1; i + 1 < facet.corner_count; ++i) {
-        const Vec3 b = vertices[corners[facet.first_corner + i].vertex] - vertices[0], c = vertices[corners[facet.first_corner + i + 1].vertex] - vertices[0];
-        sixfold += a.dot(b.cross(c));
-      }
-      volume_of_.resize(outline_face_.size(), 0.0);
-      volume_of_.back() += sixfold / 6;
+      const auto corner = [&](std::uint32_t i) { return ((vertices[corners[facet.first_corner + i].vertex] - from) / size).eval(); };
+      const Vec3 a = corner(0);
+      for (std::uint32_t i = 1; i + 1 < facet.corner_count; ++i) sixfold += a.dot(corner(i).cross(corner(i + 1)));
     }
+    return sixfold;
   }
 
   void decide_sides() {
-    volume_of_.resize(outline_face_.size(), 0.0);
     std::vector<std::uint32_t> forward(edges.size(), none), backward(edges.size(), none);
     std::vector<std::uint32_t> part(faces.size());
     std::iota(part.begin(), part.end(), 0u);
@@ -321,10 +323,26 @@ class Door {
       if ((forward[e] == none) != (backward[e] == none)) closed = false;
       if (forward[e] != none && backward[e] != none) part[find(forward[e])] = find(backward[e]);
     }
-    std::vector<double> volume(faces.size(), 0.0);
-    for (std::uint32_t f = 0; f < faces.size(); ++f) volume[find(f)] += volume_of_[f], signed_volume += volume_of_[f];
+    // Every part's volume, seen from a corner of its own and in units of its own size: parts far apart or of very different size do not disturb
+    // each other.
+    std::vector<Eigen::AlignedBox3d> box(faces.size());
+    const auto corner_of = [&](const Face& face, std::uint32_t i) -> const Vec3& { return vertices[corners[facets[face.first_facet].first_corner + i].vertex]; };
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
-      if (outline_face_[f] != none && find(f) == f && !(volume[f] > 0)) closed = false;
+      for (std::uint32_t k = 0; k < faces[f].facet_count; ++k) {
+        const Facet& facet = facets[faces[f].first_facet + k];
+        for (std::uint32_t i = 0; i < facet.corner_count; ++i) box[find(f)].extend(vertices[corners[facet.first_corner + i].vertex]);
+      }
+    }
+    std::vector<double> sixfold(faces.size(), 0.0);
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+      const std::uint32_t root = find(f);
+      if (outline_face_[f] != none) sixfold[root] += sixfold_cone(faces[f], corner_of(faces[root], 0), box[root].sizes().maxCoeff());
+    }
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+      if (outline_face_[f] == none || find(f) != f) continue;
+      const double size = box[f].sizes().maxCoeff();
+      signed_volume += sixfold[f] / 6 * size * size * size;
+      if (!(sixfold[f] > 0)) closed = false;
     }
     closed = closed && any;
   }
@@ -336,7 +354,6 @@ class Door {
   std::vector<Loop> loops_;               // of the face at hand
   std::vector<Vec2> points_;              // of the face at hand, flattened
   std::vector<std::uint32_t> outline_, outline_face_;  // directed edges of the kept outlines; where each face's begin
-  std::vector<double> volume_of_;         // by face: signed volume of the cone from the object's first vertex
 };
 
 }  // namespace
@@ -355,9 +372,22 @@ std::uint32_t Scene::add(const Mesh& mesh, const ObjectSettings& settings) {
   const auto count = [](const auto& v) { return static_cast<std::uint32_t>(v.size()); };
   const std::uint32_t vertex0 = count(vertices_), edge0 = count(edges_), plane0 = count(planes_), facet0 = count(facets_), face0 = count(faces_),
                       corner0 = count(corners_);
-  objects_.push_back({settings.name, settings.sides, settings.casts, settings.receives, settings.moves, face0, count(door.faces), vertex0, count(door.vertices),
-                      door.signed_volume});
-  if (settings.sides == Sides::automatic) objects_.back().sides = door.closed ? Sides::closed : Sides::open;
+  // Memory first: an exception leaves the scene as it was.
+  const auto make_room = [](auto& v, std::size_t more) {
+    if (v.capacity() - v.size() < more) v.reserve(std::max(v.size() + more, 2 * v.capacity()));
+  };
+  make_room(objects_, 1);
+  make_room(vertices_, door.vertices.size());
+  make_room(planes_, door.planes.size());
+  make_room(edges_, door.edges.size());
+  make_room(corners_, door.corners.size());
+  make_room(facets_, door.facets.size());
+  make_room(faces_, door.faces.size());
+  make_room(issues_, door.issues.size());
+  Object entry{settings.name, settings.sides, settings.casts, settings.receives, settings.moves, face0, count(door.faces), vertex0, count(door.vertices),
+               door.signed_volume};
+  if (settings.sides == Sides::automatic) entry.sides = door.closed ? Sides::closed : Sides::open;
+  objects_.push_back(std::move(entry));
   vertices_.insert(vertices_.end(), door.vertices.begin(), door.vertices.end());
   planes_.insert(planes_.end(), door.planes.begin(), door.planes.end());
   for (const Edge& e : door.edges) edges_.push_back({e.a + vertex0, e.b + vertex0});
@@ -381,8 +411,7 @@ std::uint32_t Scene::add(const Mesh& mesh, const ObjectSettings& settings) {
   return object;
 }
 
-std::uint32_t Scene::add(const Light& light) {
-  const std::string who = light.name.empty() ? "light " + std::to_string(lights_.size()) : "light '" + light.name + "'";
+void check(const Light& light, const std::string& who) {
   if (!light.at.allFinite()) throw Error(who + ": a coordinate is not finite");
   if (light.kind == Light::Kind::directional && light.at.isZero(0)) throw Error(who + ": its direction is zero");
   if (!(light.range > 0)) throw Error(who + ": its range is not positive");
@@ -390,6 +419,10 @@ std::uint32_t Scene::add(const Light& light) {
     if (!light.spot->axis.allFinite() || light.spot->axis.isZero(0)) throw Error(who + ": its spot axis is zero or not finite");
     if (!(light.spot->half_angle > 0) || light.spot->half_angle > std::numbers::pi) throw Error(who + ": its spot angle is not in (0, pi]");
   }
+}
+
+std::uint32_t Scene::add(const Light& light) {
+  check(light, light.name.empty() ? "light " + std::to_string(lights_.size()) : "light '" + light.name + "'");
   lights_.push_back(light);
   return static_cast<std::uint32_t>(lights_.size() - 1);
 }

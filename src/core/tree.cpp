@@ -26,7 +26,7 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
       const Node& node = nodes_[here.node()];
       counts_.predicates += cone->count;
       Cone* cut_off;
-      place = here.node() * 2 + sift(cone, node.n, node.error, node.id, line_of, w.pool, w.spill, cut_off, counts_.on);
+      place = here.node() * 2 + sift(cone, node.n, node.error, node.id, tables_->rays, line_of, w.pool, w.spill, cut_off, counts_.on);
       if (cut_off) {
         cut_off->at = here.node() * 2 + 1;
         w.pending.push_back(cut_off);
@@ -63,7 +63,7 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
     if (signs.positive() && signs.negative()) {
       const std::uint32_t cut = crossing_line(d, d_error);
       Cone *front, *behind;
-      split(*cone, signs, line(cut).n, line(cut).error, cut, false, line_of, w.pool, front, behind);
+      split(*cone, signs, line(cut).n, line(cut).error, cut, false, tables_->rays, line_of, w.pool, front, behind);
       w.pool.give_back(cone);
       add_to_list(store(*behind, Piece::Kind::behind, pp), pp);
       w.pool.give_back(behind);
@@ -121,7 +121,7 @@ std::uint32_t CellTree::add_node(const double n[3], float error, std::uint32_t i
 std::uint32_t CellTree::crossing_line(const double d[3], double error) {
   const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
   const double relative = error / length + 2 * unit_roundoff;
-  local_lines_.push_back({{d[0] / length, d[1] / length, d[2] / length}, std::nextafter(static_cast<float>(relative), INFINITY)});
+  local_lines_.push_back({{d[0] / length, d[1] / length, d[2] / length}, std::nextafter(static_cast<float>(relative), INFINITY), none, none});
   return static_cast<std::uint32_t>(tables_->lines.size() + local_lines_.size() - 1);
 }
 

@@ -1,7 +1,6 @@
 // Casts one shadow with the installed library: a unit square halfway up to the light takes four from the ground.
 #include <cmath>
 #include <cstdio>
-
 #include <shadowcut/shadows.hpp>
 
 int main() {

@@ -1,0 +1,129 @@
+// libFuzzer: bytes make a small scene, mostly on a grid, which is where everything degenerate happens; some coordinates are any double.
+// Its shadows are cast in every form; the tree must be valid and each face's fragments must add up to its area.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <shadowcut/shadows.hpp>
+
+namespace {
+
+using namespace shadowcut;
+
+// Bytes, then zeros.
+class Source {
+ public:
+  Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
+  bool empty() const { return at_ >= size_; }
+  std::uint8_t byte() { return at_ < size_ ? data_[at_++] : 0; }
+  double coordinate(bool any) {
+    if (!any) return byte() % 8 - 2;
+    std::uint64_t bits = 0;
+    for (int k = 0; k < 8; ++k) bits = bits << 8 | byte();
+    return static_cast<double>(static_cast<std::int64_t>(bits)) * 0x1p-60;  // within 8, with all bits
+  }
+  Vec3 point(bool any) {
+    const double x = coordinate(any), y = coordinate(any), z = coordinate(any);
+    return {x, y, z};
+  }
+
+ private:
+  const std::uint8_t* data_;
+  std::size_t size_, at_ = 0;
+};
+
+Mesh box(const Vec3& lo, const Vec3& hi) {
+  Mesh mesh;
+  for (int k = 0; k < 8; ++k) mesh.vertices.emplace_back(k & 1 ? hi.x() : lo.x(), k & 2 ? hi.y() : lo.y(), k & 4 ? hi.z() : lo.z());
+  for (const std::array<std::uint32_t, 4>& q :
+       {std::array{0u, 2u, 3u, 1u}, {4u, 5u, 7u, 6u}, {0u, 1u, 5u, 4u}, {2u, 6u, 7u, 3u}, {0u, 4u, 6u, 2u}, {1u, 3u, 7u, 5u}})
+    mesh.add_face(q);
+  return mesh;
+}
+
+Mesh some_mesh(Source& source, std::uint8_t kind) {
+  const bool any = kind & 8;
+  const Vec3 a = source.point(any), b = source.point(any);
+  if (kind % 4 == 0) return box(a.cwiseMin(b), a.cwiseMax(b));
+  Mesh mesh;
+  const Vec3 c = source.point(any);
+  mesh.vertices = {a, b, c};
+  if (kind % 4 == 1) mesh.add_face({0, 1, 2});
+  if (kind % 4 == 2) mesh.vertices.push_back(a + (c - b));
+  if (kind % 4 == 3) mesh.vertices.push_back(source.point(any));  // may be concave, crossed or not flat
+  if (kind % 4 >= 2) mesh.add_face({0, 1, 2, 3});
+  return mesh;
+}
+
+void require(bool holds, const char* what) {
+  if (holds) return;
+  std::cerr << what << "\n";
+  std::abort();
+}
+
+double area_of(std::span<const Vec3> corners) {
+  Vec3 twice = Vec3::Zero();
+  for (std::size_t i = 2; i < corners.size(); ++i) twice += (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]);
+  return twice.norm() / 2;
+}
+
+// Fragments lie within a face, so areas are compared with the size of the face, not with what a needle's area happens to be.
+double size_of(const Scene& scene, const Face& face) {
+  double size = 0;
+  for (std::uint32_t k = 0; k < face.facet_count; ++k) {
+    const Facet& facet = scene.facets()[face.first_facet + k];
+    const Vec3& first = scene.vertices()[scene.corners_of(facet)[0].vertex];
+    for (const Corner& c : scene.corners_of(facet)) size = std::max(size, (scene.vertices()[c.vertex] - first).norm());
+  }
+  return size;
+}
+
+void check(const Scene& scene, const Shadows& shadows) {
+  std::vector<double> lit(scene.faces().size()), shadowed(lit);
+  for (const Block& block : shadows.blocks)
+    for (const Fragment& f : block.fragments) {
+      require(f.corner_count >= 3, "fewer than three corners");
+      for (const Vec3& c : block.corners_of(f)) require(c.allFinite(), "a corner is not finite");
+      (f.lit ? lit : shadowed)[f.face] += area_of(block.corners_of(f));
+    }
+  for (std::size_t i = 0; i < lit.size(); ++i) {
+    const FaceArea& area = shadows.areas[i];
+    if (area.facing == Facing::refused) continue;
+    const double size = size_of(scene, scene.faces()[i]), tolerance = 1e-7 * (area.area + size * size);
+    require(area.lit >= 0 && area.shadowed >= 0, "a negative area");
+    require(std::abs(area.lit + area.shadowed - area.area) <= tolerance, "lit and shadowed do not make the area");
+    require(std::abs(lit[i] - area.lit) <= tolerance && std::abs(shadowed[i] - area.shadowed) <= tolerance, "fragments do not add up");
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Source source(data, size);
+  Options options;
+  options.threads = 1;
+  const std::uint8_t choice = source.byte();
+  options.order = static_cast<Order>(choice % 3);
+  options.facets_per_cell = choice & 8 ? 2 : choice & 16 ? 0 : 64;
+  Light light = choice & 32 ? Light::directional(source.point(false)) : Light::point(source.point(choice & 64));
+  if (light.kind == Light::Kind::directional && light.at.isZero()) light.at.z() = -1;
+  Scene scene;
+  for (int k = 0; k < 12 && !source.empty(); ++k) {
+    const std::uint8_t kind = source.byte();
+    ObjectSettings settings;
+    settings.sides = kind & 16 ? Sides::open : Sides::automatic;
+    settings.casts = !(kind & 32) || !(kind & 64);
+    settings.moves = kind & 128;
+    scene.add(some_mesh(source, kind), settings);
+  }
+  for (const Form form : {Form::pieces, Form::merged, Form::conforming}) {
+    options.form = form;
+    Engine engine(scene, options);
+    engine.add_light(light);
+    const std::string complaint = engine.validate();
+    require(complaint.empty(), complaint.c_str());
+    check(scene, engine.shadows(0));
+  }
+  return 0;
+}
