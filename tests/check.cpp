@@ -310,24 +310,37 @@ std::string check_points(const Scene& scene, const LightSets& sets, std::size_t 
 std::string check_conforming(const Scene& scene, const Shadows& shadows) {
   Report report;
   for (const auto& [face, all] : by_face(shadows)) {
-    std::set<Bits> seen;
-    std::vector<Vec3> corners;
-    for (const auto& fragment : all.fragments)
-      for (const Vec3& c : fragment)
-        if (seen.insert(bits(c)).second) corners.push_back(c);
+    // Every directed edge, and the places where a fragment may end: the outline of the face's facets.
+    std::map<std::pair<Bits, Bits>, int> edges;
     double scale = 0;
-    for (const Vec3& c : corners) scale = std::max(scale, c.cwiseAbs().maxCoeff());
     for (const auto& fragment : all.fragments) {
       for (std::size_t i = 0; i < fragment.size(); ++i) {
         const Vec3 &a = fragment[i], &b = fragment[(i + 1) % fragment.size()];
-        const Vec3 edge = b - a, lo = a.cwiseMin(b).array() - 1e-9 * scale, hi = a.cwiseMax(b).array() + 1e-9 * scale;
-        for (const Vec3& c : corners) {
-          if ((c.array() < lo.array()).any() || (c.array() > hi.array()).any()) continue;
-          const double along = (c - a).dot(edge) / edge.squaredNorm(), margin = 1e-8 * scale / edge.norm();
-          if (along < margin || along > 1 - margin || edge.cross(c - a).norm() / edge.norm() > 1e-13 * scale) continue;
-          report.add(name_of(scene, face), ": corner (", c.transpose(), ") lies within the edge (", a.transpose(), ")-(", b.transpose(),
-                     ")");
+        scale = std::max(scale, a.cwiseAbs().maxCoeff());
+        if (bits(a) != bits(b)) ++edges[{bits(a), bits(b)}];
+      }
+    }
+    const auto on_outline = [&, face = face](const Vec3& a, const Vec3& b) {
+      const Face& f = scene.faces()[face];
+      for (const Facet& facet : scene.facets().subspan(f.first_facet, f.facet_count)) {
+        const auto corners = scene.corners_of(facet);
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+          const Vec3 p = scene.vertices()[corners[i].vertex], d = scene.vertices()[corners[(i + 1) % corners.size()].vertex] - p;
+          const auto off = [&](const Vec3& x) { return d.cross(x - p).norm() / d.norm(); };
+          if (off(a) < 1e-9 * scale && off(b) < 1e-9 * scale) return true;
         }
+      }
+      return false;
+    };
+    for (const auto& fragment : all.fragments) {
+      for (std::size_t i = 0; i < fragment.size(); ++i) {
+        const Vec3 &a = fragment[i], &b = fragment[(i + 1) % fragment.size()];
+        if (bits(a) == bits(b)) continue;
+        const auto back = edges.find({bits(b), bits(a)});
+        const int there = edges[{bits(a), bits(b)}], here = back == edges.end() ? 0 : back->second;
+        if (there == here || (here == 0 && on_outline(a, b))) continue;
+        report.add(name_of(scene, face), ": the edge (", a.transpose(), ")-(", b.transpose(), ") runs ", there, " times one way and ", here,
+                   " times the other");
       }
     }
   }

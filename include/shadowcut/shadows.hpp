@@ -73,7 +73,8 @@ struct Fragment {
 struct Block {
   std::vector<Fragment> fragments;
   // World frame; counter-clockwise seen from the light (for faces turned away: seen from their front). A corner that is a vertex of the scene is that vertex, to the bit; a
-  // corner on a cut is the same numbers on both sides of the cut.
+  // corner on a cut is the same numbers on both sides of the cut where two lines, or the
+  // edges of one vertex, make it. Where more lines happen to meet in one point its last bits may depend on the side; the conforming form makes them one.
   std::vector<Vec3> corners;
 
   std::span<const Vec3> corners_of(const Fragment& f) const { return std::span(corners).subspan(f.first_corner, f.corner_count); }

@@ -85,6 +85,43 @@ void between(const std::vector<End>& ends, Key line, const Vec3& a, const Vec3& 
   if (at_a > at_b) std::reverse(out.begin(), out.end());
 }
 
+// Two lines meet in one corner whoever cuts, and so do the edges of one vertex. But where an edge pierces a face, or edges of different objects line up, more
+// lines pass through one point, and each pair of them gives it with its own last bits.
+void weld(const Scene& scene, std::span<const std::span<const FragmentRef>> faces, std::vector<CellOutput>& outputs) {
+  tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t face) {
+    std::vector<Vec3*> all;
+    for (const FragmentRef& ref : faces[face]) {
+      Block& block = outputs[ref.output].block;
+      const Fragment& f = block.fragments[ref.fragment];
+      for (std::uint32_t i = 0; i < f.corner_count; ++i) all.push_back(&block.corners[f.first_corner + i]);
+    }
+    // The input's own vertices stand; other corners take the numbers of the first one near enough.
+    Eigen::AlignedBox3d box;
+    std::vector<Vec3> anchors;
+    for (const Facet& facet : scene.facets().subspan(scene.faces()[faces[face][0].face].first_facet, scene.faces()[faces[face][0].face].facet_count)) {
+      for (const Corner& c : scene.corners_of(facet)) anchors.push_back(scene.vertices()[c.vertex]), box.extend(anchors.back());
+    }
+    const double near = 1e-12 * std::max(box.sizes().maxCoeff(), std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()) * 1e-2);
+    const std::size_t vertices = anchors.size();
+    for (const Vec3* c : all) anchors.push_back(*c);
+    std::vector<std::uint32_t> order(anchors.size()), group(anchors.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = group[i] = i;
+    const auto find = [&](std::uint32_t i) {
+      while (group[i] != i) i = group[i] = group[group[i]];
+      return i;
+    };
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return anchors[a].x() != anchors[b].x() ? anchors[a].x() < anchors[b].x() : a < b; });
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      for (std::size_t j = i; j-- > 0 && anchors[order[i]].x() - anchors[order[j]].x() <= near;) {
+        if ((anchors[order[i]] - anchors[order[j]]).cwiseAbs().maxCoeff() > near) continue;
+        const std::uint32_t a = find(order[i]), b = find(order[j]);
+        if (a >= vertices || b >= vertices) group[std::max(a, b)] = std::min(a, b);
+      }
+    }
+    for (std::size_t i = 0; i < all.size(); ++i) *all[i] = anchors[find(static_cast<std::uint32_t>(vertices + i))];
+  });
+}
+
 }  // namespace
 
 void make_conforming(const Scene& scene, std::vector<CellOutput>& outputs) {
@@ -101,6 +138,8 @@ void make_conforming(const Scene& scene, std::vector<CellOutput>& outputs) {
     if (end - begin > 1) faces.emplace_back(refs.data() + begin, end - begin);
     begin = end;
   }
+
+  weld(scene, faces, outputs);
 
   // By output and fragment: what to add. A fragment belongs to one face, so threads never meet.
   std::vector<std::vector<std::vector<Insertion>>> insertions(outputs.size());
@@ -126,14 +165,20 @@ void make_conforming(const Scene& scene, std::vector<CellOutput>& outputs) {
     for (std::size_t i = 0; i < block.fragments.size(); ++i) {
       Fragment& f = block.fragments[i];
       const auto first = static_cast<std::uint32_t>(corners.size());
+      const auto put = [&](const Vec3& x) {
+        if (corners.size() == first || corners.back() != x) corners.push_back(x);
+      };
       auto add = insertions[o][i].begin();
       for (std::uint32_t k = 0; k < f.corner_count; ++k) {
-        corners.push_back(block.corners[f.first_corner + k]);
-        for (; add != insertions[o][i].end() && add->corner == k; ++add) corners.push_back(add->x);
+        put(block.corners[f.first_corner + k]);
+        for (; add != insertions[o][i].end() && add->corner == k; ++add) put(add->x);
       }
+      while (corners.size() > first + 1 && corners.back() == corners[first]) corners.pop_back();
       f.first_corner = first;
       f.corner_count = static_cast<std::uint32_t>(corners.size()) - first;
+      if (f.corner_count < 3) corners.resize(first);
     }
+    std::erase_if(block.fragments, [](const Fragment& f) { return f.corner_count < 3; });
     block.corners = std::move(corners);
   });
 }

@@ -1,4 +1,4 @@
-// The conforming form: no T-junctions inside a face.
+// The conforming form: no T-junctions inside a face, and one set of numbers for one point.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,8 @@
 
 namespace shadowcut {
 
-// Adds to every fragment the corners of other fragments of its face that lie on its edges. Fragments stay where they are in their blocks.
+// Makes corners of a face that are one point up to rounding the same numbers, and adds to every fragment the corners of other fragments of its
+// face that lie on its edges. Fragments keep their order in their blocks; slivers whose corners all fall together are left out.
 void make_conforming(const Scene& scene, std::vector<CellOutput>& outputs);
 
 }  // namespace shadowcut

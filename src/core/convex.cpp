@@ -127,6 +127,16 @@ bool clip_ears(std::span<const Vec2> p, Loop loop, std::vector<Loop>& triangles)
   std::size_t i = 0;
   while (loop.size() > 3) {
     const std::size_t n = loop.size();
+    // What is left of a place where the outline touched itself: out and back, or no way at all. No area goes with it.
+    std::size_t spent = n;
+    for (std::size_t at = 0; at < n && spent == n; ++at) {
+      const Vec2& next = p[loop[(at + 1) % n]];
+      if (p[loop[at]] == next || p[loop[(at + n - 1) % n]] == next) spent = at;
+    }
+    if (spent != n) {
+      loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(spent));
+      continue;
+    }
     std::size_t found = n, straight = n;
     for (std::size_t k = 0; k < n && found == n; ++k) {
       const std::size_t at = (i + k) % n;

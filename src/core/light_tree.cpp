@@ -1,7 +1,6 @@
 #include "light_tree.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <mutex>
@@ -38,8 +37,8 @@ class Progress {
       : report_(report), begin_(begin), end_(end), steps_(static_cast<double>(std::max<std::size_t>(steps, 1))) {}
   void step(std::size_t n = 1) {
     if (!report_) return;
-    const double share = begin_ + (end_ - begin_) * static_cast<double>(done_ += n) / steps_;
     const std::lock_guard lock(mutex_);
+    const double share = begin_ + (end_ - begin_) * static_cast<double>(done_ += n) / steps_;
     if (share < last_ + 0.01) return;
     last_ = share;
     report_(share);
@@ -48,7 +47,7 @@ class Progress {
  private:
   const std::function<void(double)>& report_;
   double begin_, end_, steps_, last_ = 0;
-  std::atomic<std::size_t> done_{0};
+  std::size_t done_ = 0;
   std::mutex mutex_;
 };
 
@@ -247,7 +246,6 @@ void LightTree::build(const std::vector<std::uint32_t>& order, const Options& op
   std::vector<Chunk> chunks((order.size() + chunk_size - 1) / chunk_size);
   tbb::enumerable_thread_specific<Workspace> workspaces;
   const auto line_of = [this](std::uint32_t id) -> const Line& { return tables_.lines[id]; };
-  Progress progress(options.progress, 0, 0.8, order.size());
 
   if (cell_count > 1) {
     parallel(chunks.size(), 1, [&](std::size_t c) {
@@ -283,6 +281,7 @@ void LightTree::build(const std::vector<std::uint32_t>& order, const Options& op
       for (std::uint32_t i = 0; i < chunks[c].parts.size(); ++i) refs[fill[chunks[c].parts[i].cell]++] = {c, i};
     }
   }
+  Progress progress(options.progress, 0, 0.8, std::max(order.size(), refs.size()));
   parallel(cell_count, 1, [&](std::size_t cell) {
     Workspace& w = workspaces.local();
     CellTree& tree = cells_[cell];

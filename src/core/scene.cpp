@@ -239,6 +239,11 @@ class Door {
       }
     }
     const bool is_flat = whole.plane.flatness <= tolerance_ * whole.diameter;
+    for (const Loop& l : loops_) {  // out and back along one edge: nothing that a bridge to a hole would do
+      for (std::size_t i = 0; i < l.size(); ++i) {
+        if (l[i] == l[(i + 2) % l.size()]) return report(f, Reason::self_intersecting, "it turns back on itself");
+      }
+    }
     std::vector<Loop> parts;
     if (flat.size() == 1 && is_convex(points_, flat[0]) && (is_flat || flat[0].size() == 3)) {
       parts = std::move(flat);
