@@ -2,9 +2,11 @@
 //
 //   shadowcut_bench --benchmark_repetitions=5 --benchmark_out=bench/baseline/cast.json --benchmark_out_format=json
 //
-// Every row: one whole cast_shadows, on one and on two threads. Counters: ns a light-facing face; build and emission apart (the minimum over the iterations,
-// in ms); nodes, fragments and bytes; and a hash of every fragment, the same for any number of threads. The machine's speed drifts: quote ratios of one run, minima of repeats.
+// Every row: one whole cast_shadows, on one and on two threads. Counters: ns a light-facing face; build and emission apart (the minimum
+// over the iterations, in ms); nodes, fragments and bytes; and a hash of every fragment, the same for any number of threads. The machine's
+// speed drifts: quote ratios of one run, minima of repeats.
 
+#include <benchmark/benchmark.h>
 #include <malloc.h>
 
 #include <algorithm>
@@ -12,8 +14,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-
-#include <benchmark/benchmark.h>
 #include <shadowcut/shadows.hpp>
 
 #include "scenes.hpp"
@@ -79,7 +79,8 @@ void cast(benchmark::State& state, const std::string& name, const std::function<
 
 void add(const std::string& name, const std::function<scenes::SceneData()>& make) {
   for (const unsigned threads : {1u, 2u}) {
-    benchmark::RegisterBenchmark((name + "/threads:" + std::to_string(threads)).c_str(), [=](benchmark::State& s) { cast(s, name, make, threads); })
+    benchmark::RegisterBenchmark((name + "/threads:" + std::to_string(threads)).c_str(),
+                                 [=](benchmark::State& s) { cast(s, name, make, threads); })
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();
   }
@@ -96,7 +97,8 @@ int main(int argc, char** argv) {
   for (int depth = 2; depth <= 6; ++depth) add("tetrahedron:" + std::to_string(depth), [=] { return scenes::tetrahedron(depth); });
   for (const std::uint32_t n : {18u, 32u, 57u, 100u, 178u, 316u}) add("city:" + std::to_string(n), [=] { return scenes::city(n); });
   for (const std::uint32_t n : {6u, 12u, 25u, 50u, 100u}) add("spheres:" + std::to_string(n), [=] { return scenes::spheres(n, 64, 33); });
-  for (const std::uint32_t n : {1000u, 3000u, 10000u, 30000u, 100000u}) add("triangles:" + std::to_string(n), [=] { return scenes::triangles(n); });
+  for (const std::uint32_t n : {1000u, 3000u, 10000u, 30000u, 100000u})
+    add("triangles:" + std::to_string(n), [=] { return scenes::triangles(n); });
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

@@ -10,18 +10,21 @@ if [ "${1:-}" = --long ]; then
   presets=(release asan tsan)
 fi
 
+# The fuzzers need clang; they must find nothing.
+CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSHADOWCUT_FUZZ=ON -DSHADOWCUT_BENCH=OFF \
+  -DSHADOWCUT_CLI=OFF -DSHADOWCUT_TESTS=OFF >/dev/null
+cmake --build build/fuzz
+mkdir -p build/fuzz/corpus/fuzz_obj build/fuzz/corpus/fuzz_build
+for name in room1 branch3 tetrahedron2; do head -c 4000 "data/$name.obj" >"build/fuzz/corpus/fuzz_obj/$name"; done
+for fuzzer in fuzz_obj fuzz_build; do
+  echo "fuzzing: $fuzzer, $seconds s"
+  "build/fuzz/bin/$fuzzer" "build/fuzz/corpus/$fuzzer" -max_total_time="$seconds" -max_len=4096 -timeout=20 -rss_limit_mb=4096 \
+    -artifact_prefix=build/fuzz/ >"build/fuzz/$fuzzer.log" 2>&1 || { tail -n 40 "build/fuzz/$fuzzer.log"; exit 1; }
+  tail -n 1 "build/fuzz/$fuzzer.log"
+done
+
 for preset in "${presets[@]}"; do
   cmake --preset "$preset" -DSHADOWCUT_TESTS=ON >/dev/null
   cmake --build --preset "$preset"
   ctest --preset "$preset" --timeout 1200
-done
-
-# The fuzzers need clang. They start from the shipped scenes and must find nothing.
-CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSHADOWCUT_FUZZ=ON -DSHADOWCUT_BENCH=OFF \
-  -DSHADOWCUT_CLI=OFF -DSHADOWCUT_TESTS=OFF >/dev/null
-cmake --build build/fuzz
-for fuzzer in build/fuzz/bin/fuzz_*; do
-  corpus=build/fuzz/corpus/$(basename "$fuzzer")
-  mkdir -p "$corpus"
-  "$fuzzer" "$corpus" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 -print_final_stats=1 2>&1 | tail -n 5
 done

@@ -28,7 +28,8 @@ std::string check_fragments(const Scene& scene, const Light& light, const Shadow
 std::string check_points(const Scene& scene, const Shadows& shadows, const Oracle& oracle, std::uint64_t seed, int count);
 std::string check_points(const Scene& scene, const LightSets& sets, std::size_t light, const Oracle& oracle, std::uint64_t seed, int count);
 
-// Every edge of a fragment that is not on its face's outline is, to the bit and the other way round, an edge of another fragment: no T-junction, no crack.
+// Every edge of a fragment that is not on its face's outline is, to the bit and the other way round, an edge of another fragment: no
+// T-junction, no crack.
 std::string check_conforming(const Scene& scene, const Shadows& shadows);
 
 // Corners of one face that are equal up to rounding are equal to the bit. For scenes in general position only: where three lines meet

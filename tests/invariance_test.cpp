@@ -142,8 +142,8 @@ TEST(Invariance, ConformingHasNoTJunction) {
   }
 }
 
-// In the conforming form there are no two corners of a face that differ in their last bits only. (In the others there are, where more than two
-// lines happen to meet in one point.)
+// In the conforming form there are no two corners of a face that differ in their last bits only. (In the others there are, where more than
+// two lines happen to meet in one point.)
 TEST(Invariance, CornersOnSharedCutsAreBitEqual) {
   for (const Kind kind : kAllKinds) {
     for (std::uint64_t seed = 0; seed < 30; ++seed) {

@@ -167,7 +167,8 @@ TEST(Door, OutlineTouchesItself) {
   const Scene edge = second(between_good({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0, 0}, {0, 4, 0}}));  // corner on edge
   EXPECT_TRUE(edge.issues().empty());
   EXPECT_DOUBLE_EQ(edge.faces()[edge.objects()[1].first_face + 1].area, 8);
-  const Scene corner = second(between_good({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {4, 2, 0}, {4, 4, 0}, {2, 4, 0}, {2, 2, 0}, {0, 2, 0}}));  // corner on corner
+  const Scene corner =
+      second(between_good({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {4, 2, 0}, {4, 4, 0}, {2, 4, 0}, {2, 2, 0}, {0, 2, 0}}));  // corner on corner
   EXPECT_TRUE(corner.issues().empty());
   EXPECT_DOUBLE_EQ(corner.faces()[corner.objects()[1].first_face + 1].area, 8);
 }

@@ -5,12 +5,11 @@
 #pragma once
 
 #include <limits>
+#include <shadowcut/scene.hpp>
+#include <shadowcut/shadows.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <shadowcut/scene.hpp>
-#include <shadowcut/shadows.hpp>
 
 namespace shadowcut::io {
 
@@ -18,10 +17,10 @@ struct ReadOptions {
   Sides sides = Sides::automatic;  // for every object
 };
 
-// Reads a scene. By extension: .obj .ply .off .stl, whose coordinates are the doubles nearest to the file's numbers; anything else by Assimp, which
-// holds coordinates as float. Objects and groups of an OBJ, solids of an STL, nodes of a glTF, DAE, FBX or IFC become objects with their names; a mesh
-// that several nodes share becomes one object each. Lights of the file (KHR_lights_punctual and Assimp's) become the scene's. Points and lines
-// are not faces and are left out.
+// Reads a scene. By extension: .obj .ply .off .stl, whose coordinates are the doubles nearest to the file's numbers; anything else by
+// Assimp, which holds coordinates as float. Objects and groups of an OBJ, solids of an STL, nodes of a glTF, DAE, FBX or IFC become objects
+// with their names; a mesh that several nodes share becomes one object each. Lights of the file (KHR_lights_punctual and Assimp's) become
+// the scene's. Points and lines are not faces and are left out.
 Scene read_scene(const std::string& path, const ReadOptions& options = {});
 
 // Reads an OBJ from memory; `name` stands for the file in messages. For tests and fuzzing.
@@ -40,15 +39,15 @@ struct View {
   // plan and camera: the engine's lights in its order, which say what side of an open sheet is lit. Empty: the scene's.
   std::vector<Light> lights;
   double cut = std::numeric_limits<double>::infinity();  // plan: what lies higher along up is taken off, a ceiling for one
-  std::uint32_t face = none;                     // face: index into Scene::faces()
-  Vec3 eye = Vec3::Zero(), target = Vec3::Zero();  // camera
-  double fov = 1.0471975511965976;               // camera: vertical field of view, radians
-  unsigned threads = 0;                          // camera: for the engine that finds what the eye sees; 0: one for each processor
-  double width = 1024, height = 768;             // page, in px
+  std::uint32_t face = none;                             // face: index into Scene::faces()
+  Vec3 eye = Vec3::Zero(), target = Vec3::Zero();        // camera
+  double fov = 1.0471975511965976;                       // camera: vertical field of view, radians
+  unsigned threads = 0;                                  // camera: for the engine that finds what the eye sees; 0: one for each processor
+  double width = 1024, height = 768;                     // page, in px
 };
 
-// Writes the fragments by the path's extension: .obj .ply .gltf .glb (each object keeps its name, lit and shadowed are materials; with several lights, one
-// material for each set of lights), .svg (a drawing).
+// Writes the fragments by the path's extension: .obj .ply .gltf .glb (each object keeps its name, lit and shadowed are materials; with
+// several lights, one material for each set of lights), .svg (a drawing).
 void write_fragments(const std::string& path, const Scene& scene, const Engine& engine, const View& view = {});
 
 // Columns: light,object,face,facing,area,lit_area,shadowed_area; a row for each face and light, numbers with all their digits.

@@ -9,6 +9,7 @@
 // Thread safety: a const Scene may be read from any number of threads; changing it needs exclusion.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -17,8 +18,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <Eigen/Geometry>
 
 namespace shadowcut {
 
@@ -70,14 +69,15 @@ struct ObjectSettings {
 
 // Why a face was refused or repaired.
 enum class Reason : std::uint8_t {
-  non_finite,         // refused: a coordinate is NaN or infinite
-  index_out_of_range, // refused
-  too_few_corners,    // refused: fewer than three distinct corners
-  zero_area,          // refused
-  self_intersecting,  // refused: the outline crosses itself, or a hole leaves it; touching is allowed, outlines joined to their holes by bridges are usual
-  duplicate,          // refused: the same corners in the same order as an earlier face of the object
-  repeated_corner,    // repaired: consecutive equal corners became one
-  not_flat,           // repaired: a corner lies off the plane by more than Scene::flatness_tolerance; triangulated
+  non_finite,          // refused: a coordinate is NaN or infinite
+  index_out_of_range,  // refused
+  too_few_corners,     // refused: fewer than three distinct corners
+  zero_area,           // refused
+  self_intersecting,   // refused: the outline crosses itself, or a hole leaves it; touching is allowed, outlines joined to their holes by
+                       // bridges are usual
+  duplicate,           // refused: the same corners in the same order as an earlier face of the object
+  repeated_corner,     // repaired: consecutive equal corners became one
+  not_flat,            // repaired: a corner lies off the plane by more than Scene::flatness_tolerance; triangulated
 };
 const char* describe(Reason);  // a short English phrase
 bool refuses(Reason);          // false: repaired
@@ -86,7 +86,7 @@ struct Issue {
   std::uint32_t object;  // index into Scene::objects()
   std::uint32_t face;    // number within the object, from 0, as in the file
   Reason reason;
-  std::string detail;    // may be empty; otherwise figures, for a user
+  std::string detail;  // may be empty; otherwise figures, for a user
 };
 
 struct Light {
@@ -108,7 +108,8 @@ struct Light {
   static Light directional(Vec3 travel) { return {Kind::directional, travel, {}, std::numeric_limits<double>::infinity(), {}}; }
 };
 
-// Throws Error, with `who` for the light, when a coordinate is not finite, a direction is zero, the range is not positive or the spot is out of bounds.
+// Throws Error, with `who` for the light, when a coordinate is not finite, a direction is zero, the range is not positive or the spot is
+// out of bounds.
 void check(const Light& light, const std::string& who);
 
 // Everything below is the scene flattened, in world coordinates, for the engine and for oracles.
@@ -120,10 +121,11 @@ struct Plane {
   Vec3 normal;      // unit length, to the front
   Vec3 point;       // a point of the plane
   double flatness;  // the largest distance of the corners from the plane
-  double tilt;      // how far, in radians, corners moved by that (or by rounding) could turn the plane; a light nearer to the plane than this sees it edge-on
+  double tilt;  // how far, in radians, corners moved by that (or by rounding) could turn the plane; a light nearer to the plane than this
+                // sees it edge-on
 };
 
-struct Edge {  // an undirected edge of the mesh; its line of light is shared by the facets on both sides
+struct Edge {          // an undirected edge of the mesh; its line of light is shared by the facets on both sides
   std::uint32_t a, b;  // vertex indices, a < b
 };
 

@@ -2,8 +2,8 @@
 // wholly shadowed.
 //
 // A point x of a face is shadowed by a light iff some *other* face that casts has a point strictly between x and the light
-// (contact is not occlusion), or x is on a side turned away from the light. A face that was not flat is several facets in planes of their own, which may
-// shadow each other.
+// (contact is not occlusion), or x is on a side turned away from the light. A face that was not flat is several facets in planes of their
+// own, which may shadow each other.
 //
 // Source: Y. Chrysanthou, M. Slater, "Shadow Volume BSP Trees for Computation of Shadows in Dynamic Scenes", I3D 1995 (CS95).
 // docs/design.md says where the engine departs from it.
@@ -14,11 +14,10 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <shadowcut/scene.hpp>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <shadowcut/scene.hpp>
 
 namespace shadowcut {
 
@@ -44,8 +43,8 @@ struct Options {
   Form form = Form::merged;
   Order order = Order::solid_angle;
   std::uint64_t seed = 0;
-  unsigned threads = 0;                // 0: one for each processor; the result does not depend on it
-  std::uint32_t facets_per_cell = 128;  // the balanced prefix stops dividing light space at about this many; 0: no prefix
+  unsigned threads = 0;                  // 0: one for each processor; the result does not depend on it
+  std::uint32_t facets_per_cell = 128;   // the balanced prefix stops dividing light space at about this many; 0: no prefix
   std::function<void(double)> progress;  // called now and then, from any thread but one at a time, with the share of the work done, 0 to 1
 };
 
@@ -57,8 +56,8 @@ struct FragmentId {
 
 struct Fragment {
   FragmentId id;
-  std::uint32_t face;    // index into Scene::faces()
-  std::uint32_t facet;   // index into Scene::facets(); a fragment never spans two
+  std::uint32_t face;   // index into Scene::faces()
+  std::uint32_t facet;  // index into Scene::facets(); a fragment never spans two
   // Lit: none. Shadowed: the face that casts (CS95's: the one whose PP-node it lies behind, or the nearest in front of it); in the merged
   // and conforming forms, where several faces of one object cast on a fragment, one of them. none for a side turned away.
   std::uint32_t caster;
@@ -72,9 +71,9 @@ struct Fragment {
 // update can replace one block and leave the others. The order is the same for any number of threads.
 struct Block {
   std::vector<Fragment> fragments;
-  // World frame; counter-clockwise seen from the light (for faces turned away: seen from their front). A corner that is a vertex of the scene is that vertex, to the bit; a
-  // corner on a cut is the same numbers on both sides of the cut where two lines, or the
-  // edges of one vertex, make it. Where more lines happen to meet in one point its last bits may depend on the side; the conforming form makes them one.
+  // World frame; counter-clockwise seen from the light (for faces turned away: seen from their front). A corner that is a vertex of the
+  // scene is that vertex, to the bit; a corner on a cut is the same numbers on both sides of the cut where two lines, or the edges of one
+  // vertex, make it. Where more lines happen to meet in one point its last bits may depend on the side; the conforming form makes them one.
   std::vector<Vec3> corners;
 
   std::span<const Vec3> corners_of(const Fragment& f) const { return std::span(corners).subspan(f.first_corner, f.corner_count); }
@@ -96,7 +95,7 @@ struct FaceArea {
 };
 
 struct Stats {
-  std::uint64_t faces = 0, facing_faces = 0, facets = 0;  // facets: that entered the tree
+  std::uint64_t faces = 0, facing_faces = 0, facets = 0;                       // facets: that entered the tree
   double facing_area = 0, lit_area = 0, shadowed_area = 0;                     // of facing faces
   std::uint64_t lit_fragments = 0, shadowed_fragments = 0;                     // of facing faces
   std::uint64_t cells = 0, nodes = 0, sp_nodes = 0, pp_nodes = 0, pieces = 0;  // nodes: of the cells' trees and of the prefix
@@ -122,8 +121,8 @@ struct LightSets {
   };
   std::vector<Fragment> fragments;
   std::vector<Vec3> corners;
-  std::size_t words = 1;               // 64-bit words of a light set
-  std::vector<std::uint64_t> lights;   // fragment i is reached by light k iff bit k%64 of lights[i*words + k/64] is set
+  std::size_t words = 1;              // 64-bit words of a light set
+  std::vector<std::uint64_t> lights;  // fragment i is reached by light k iff bit k%64 of lights[i*words + k/64] is set
 
   std::span<const Vec3> corners_of(const Fragment& f) const { return std::span(corners).subspan(f.first_corner, f.corner_count); }
   bool reaches(std::size_t fragment, std::size_t light) const { return lights[fragment * words + light / 64] >> (light % 64) & 1; }
@@ -149,7 +148,8 @@ class Engine {
   // One partition for all lights so far (CS95, section 4: a second light's input is the first one's output).
   LightSets combined() const;
 
-  // Checks every invariant of every tree. Returns an empty string, or a sentence that says which one does not hold. For tests: it takes many times a build.
+  // Checks every invariant of every tree. Returns an empty string, or a sentence that says which one does not hold. For tests: it takes
+  // many times a build.
   std::string validate() const;
 
  private:

@@ -1,14 +1,14 @@
-// A fragment is asked of a finished tree as a face that neither casts nor stays: it is filtered down, and where it comes out in front of everything it is
-// lit. Parts that come back in the same state are reunited (Slater 1992, figure 6).
+// A fragment is asked of a finished tree as a face that neither casts nor stays: it is filtered down, and where it comes out in front of
+// everything it is lit. Parts that come back in the same state are reunited (Slater 1992, figure 6).
 
 #include "combine.hpp"
-
-#include <algorithm>
-#include <cmath>
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace shadowcut {
 namespace {
@@ -25,8 +25,8 @@ class Query {
  public:
   Query(const LightTree& light, Workspace& w) : light_(light), w_(w) {}
 
-  // The parts of a polygon in the facet's plane, its corners in the order in which its lines are positive inside. A part's corner that is one of
-  // the polygon's has its index for a vertex. The cones are the caller's to give back.
+  // The parts of a polygon in the facet's plane, its corners in the order in which its lines are positive inside. A part's corner that is
+  // one of the polygon's has its index for a vertex. The cones are the caller's to give back.
   void run(std::uint32_t facet, std::span<const Vec3> polygon, std::vector<Answer>& answers) {
     answers.clear();
     lines_.clear();
@@ -128,7 +128,10 @@ class Query {
       if (signs.positive() && signs.negative()) {
         if (is_pp) {
           const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-          crossing = {{n[0] / length, n[1] / length, n[2] / length}, static_cast<float>(n_error / length + 2 * unit_roundoff) * (1 + 0x1p-22f), none, none};
+          crossing = {{n[0] / length, n[1] / length, n[2] / length},
+                      static_cast<float>(n_error / length + 2 * unit_roundoff) * (1 + 0x1p-22f),
+                      none,
+                      none};
         } else if (frame.cell != none) {
           crossing = light_.cells()[frame.cell].line(cut);
         } else {
@@ -138,7 +141,9 @@ class Query {
         const auto id = static_cast<std::uint32_t>(light_.tables().lines.size() + cut_lines_.size());
         cut_lines_.push_back(crossing);
         Cone *positive, *negative;
-        split(cone, signs, crossing.n, crossing.error, id, true, light_.tables().rays, [this](std::uint32_t i) -> const Line& { return line(i); }, w_.pool, positive, negative);
+        split(
+            cone, signs, crossing.n, crossing.error, id, true, light_.tables().rays,
+            [this](std::uint32_t i) -> const Line& { return line(i); }, w_.pool, positive, negative);
         frames_.push_back({frame.cone, frame.cell, frame.place, answers.size(), true});
         frames_.push_back({positive, cell[0], sides[0], 0, false});
         if (is_pp) {
@@ -172,7 +177,8 @@ class Query {
   std::vector<Frame> frames_;
 };
 
-// Fragments of one or more lights so far, and their corners; front_order: whether corners run counter-clockwise seen from the facet's front.
+// Fragments of one or more lights so far, and their corners; front_order: whether corners run counter-clockwise seen from the facet's
+// front.
 struct Partition {
   LightSets sets;
   std::vector<std::uint8_t> front_order;
@@ -214,7 +220,8 @@ Partition first_partition(const LightTree& light, std::size_t words) {
 }
 
 // Fragment i of `in`, cut by a further light.
-void cut_by(const LightTree& light, std::size_t number, const Partition& in, std::size_t i, Query& query, std::vector<Answer>& answers, Workspace& w, Partition& out) {
+void cut_by(const LightTree& light, std::size_t number, const Partition& in, std::size_t i, Query& query, std::vector<Answer>& answers,
+            Workspace& w, Partition& out) {
   const LightSets::Fragment& f = in.sets.fragments[i];
   const std::span<const std::uint64_t> before(in.sets.lights.data() + i * in.sets.words, in.sets.words);
   std::vector<Vec3> corners(in.sets.corners_of(f).begin(), in.sets.corners_of(f).end());

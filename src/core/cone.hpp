@@ -1,7 +1,7 @@
 // A convex cone of rays: a face, or a piece of one, as the light sees it.
 //
-// Corners in order, so that every edge's line is positive inside; edge i runs from corner i to corner i+1, and corner i is (a positive multiple
-// of) line[i-1] x line[i].
+// Corners in order, so that every edge's line is positive inside; edge i runs from corner i to corner i+1, and corner i is (a positive
+// multiple of) line[i-1] x line[i].
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,8 @@
 
 namespace shadowcut {
 
-// A line as the edge of a cone: which line, which side of it is inside, and whether something above in the tree already bounds the cell there.
+// A line as the edge of a cone: which line, which side of it is inside, and whether something above in the tree already bounds the cell
+// there.
 class EdgeRef {
  public:
   EdgeRef() = default;
@@ -67,7 +68,7 @@ class ConePool {
   ConePool(const ConePool&) = delete;
   ConePool& operator=(const ConePool&) = delete;
   ~ConePool() {
-    for (void* block : blocks_) ::operator delete(block, std::align_val_t{64});
+    for (void* block : blocks_) ::operator delete (block, std::align_val_t{64});
   }
 
   Cone* take(std::uint32_t corners) {
@@ -94,7 +95,7 @@ class ConePool {
 
   Cone* make(std::uint32_t capacity) {
     blocks_.reserve(blocks_.size() + 1);
-    void* block = ::operator new(64 + capacity * sizeof(ConeCorner), std::align_val_t{64});
+    void* block = ::operator new (64 + capacity * sizeof(ConeCorner), std::align_val_t{64});
     blocks_.push_back(block);
     Cone* cone = new (block) Cone;
     cone->capacity = capacity;
@@ -111,10 +112,12 @@ struct Change {
   bool on;
 };
 
-// On which sides of a covector a cone's corners lie: certainly positive, certainly negative, or "on", which means that the sign is not certain.
+// On which sides of a covector a cone's corners lie: certainly positive, certainly negative, or "on", which means that the sign is not
+// certain.
 class Signs {
  public:
-  // Tests all corners of c against n. bound: |n.r| up to which a sign is not certain. `spill` holds the signs of more than 64 corners, and must outlive this.
+  // Tests all corners of c against n. bound: |n.r| up to which a sign is not certain. `spill` holds the signs of more than 64 corners, and
+  // must outlive this.
   Signs(Cone& c, const double n[3], double bound, std::vector<std::int8_t>& spill) : count_(c.count) {
     if (count_ > 64) {
       test_large(c, n, bound, spill);
@@ -164,7 +167,8 @@ class Signs {
       return;
     }
     const std::uint64_t on = (positive_ | negative_) ^ all();
-    for (std::uint64_t both = on & (on >> 1 | (on & 1) << (count_ - 1)); both != 0; both &= both - 1) f(static_cast<std::uint32_t>(std::countr_zero(both)));
+    for (std::uint64_t both = on & (on >> 1 | (on & 1) << (count_ - 1)); both != 0; both &= both - 1)
+      f(static_cast<std::uint32_t>(std::countr_zero(both)));
   }
 
   // With corners on both sides: where the sign goes down, and where it goes up again.
@@ -205,8 +209,8 @@ class Signs {
   const std::int8_t* large_ = nullptr;         // beyond: each
 };
 
-// a*b - c*d with an error of about one rounding of the result: Dekker's products (1971) give what the plain ones drop. Swapping the products changes
-// the sign and nothing else.
+// a*b - c*d with an error of about one rounding of the result: Dekker's products (1971) give what the plain ones drop. Swapping the
+// products changes the sign and nothing else.
 inline double difference_of_products(double a, double b, double c, double d) {
   const auto two_product_tail = [](double x, double y, double p) {
     constexpr double splitter = 0x1p27 + 1;
@@ -218,8 +222,8 @@ inline double difference_of_products(double a, double b, double c, double d) {
   return (p - q) + (two_product_tail(a, b, p) - two_product_tail(c, d, q));
 }
 
-// The cross product of two unit lines. Where they are nearly parallel the plain product loses the digits that say where along them they meet; the
-// corner would then lie beside both, and the areas on the two sides of a T-junction would no longer add up.
+// The cross product of two unit lines. Where they are nearly parallel the plain product loses the digits that say where along them they
+// meet; the corner would then lie beside both, and the areas on the two sides of a T-junction would no longer add up.
 inline void cross(const double a[3], const double b[3], double out[3]) {
   out[0] = a[1] * b[2] - a[2] * b[1];
   out[1] = a[2] * b[0] - a[0] * b[2];
@@ -230,13 +234,13 @@ inline void cross(const double a[3], const double b[3], double out[3]) {
   out[2] = difference_of_products(a[0], b[1], a[1], b[0]);
 }
 
-// Cuts a cone that has corners on both sides of a line. The corners between which the sign changes for certain get a new corner; a corner that is on the
-// line serves as it is. m is the line, m_error its error, `cut` its id; `lines(id)` gives the line of an edge. Two lines of edges that share a
-// vertex meet in that vertex's ray, and get its numbers: every such corner is the same to the bit, whichever of the vertex's edges cut it out.
-// `bounded`: whether a node of the tree stands on the cut.
+// Cuts a cone that has corners on both sides of a line. The corners between which the sign changes for certain get a new corner; a corner
+// that is on the line serves as it is. m is the line, m_error its error, `cut` its id; `lines(id)` gives the line of an edge. Two lines of
+// edges that share a vertex meet in that vertex's ray, and get its numbers: every such corner is the same to the bit, whichever of the
+// vertex's edges cut it out. `bounded`: whether a node of the tree stands on the cut.
 template <class Lines>
-void split(const Cone& c, const Signs& signs, const double m[3], float m_error, std::uint32_t cut, bool bounded, std::span<const VertexRay> rays, const Lines& lines,
-           ConePool& pool, Cone*& positive, Cone*& negative) {
+void split(const Cone& c, const Signs& signs, const double m[3], float m_error, std::uint32_t cut, bool bounded,
+           std::span<const VertexRay> rays, const Lines& lines, ConePool& pool, Cone*& positive, Cone*& negative) {
   const std::uint32_t n = c.count;
   const ConeCorner* const k = c.corners();
   const auto next = [n](std::uint32_t i) { return i + 1 == n ? 0 : i + 1; };
@@ -247,8 +251,9 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
 
   float error = c.error;
   const Line& mine = lines(cut);
-  // Where the edge leaving the corner meets the line, with that edge for its own; the edge is followed by the cut on its positive side when it goes
-  // down, and follows it when it comes up. The product changes sign, and nothing else, with the order: both sides of a cut get the same numbers.
+  // Where the edge leaving the corner meets the line, with that edge for its own; the edge is followed by the cut on its positive side when
+  // it goes down, and follows it when it comes up. The product changes sign, and nothing else, with the order: both sides of a cut get the
+  // same numbers.
   const auto point = [&](const Change& change, bool downward) -> ConeCorner {
     ConeCorner p = k[change.corner];
     if (change.on) return p;
@@ -294,12 +299,12 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
   negative = build(down, p_down, up, p_up, outside);
 }
 
-// Sends a cone to its side of a node's line: 0 positive, 1 negative. A cone on both sides is cut: it becomes its positive part and goes to 0, and
-// cut_off is its negative part, otherwise null. A cone that lies on the line altogether (a sliver that rounding made) goes to the positive side.
-// on: grows by the number of corners on the line.
+// Sends a cone to its side of a node's line: 0 positive, 1 negative. A cone on both sides is cut: it becomes its positive part and goes to
+// 0, and cut_off is its negative part, otherwise null. A cone that lies on the line altogether (a sliver that rounding made) goes to the
+// positive side. on: grows by the number of corners on the line.
 template <class Lines>
-std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t line, std::span<const VertexRay> rays, const Lines& lines, ConePool& pool,
-                   std::vector<std::int8_t>& spill, Cone*& cut_off, std::uint64_t& on) {
+std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t line, std::span<const VertexRay> rays, const Lines& lines,
+                   ConePool& pool, std::vector<std::int8_t>& spill, Cone*& cut_off, std::uint64_t& on) {
   cut_off = nullptr;
   const Signs signs(*cone, m, static_cast<double>(m_error) + static_cast<double>(cone->error) + sign_slack, spill);
   if (signs.any_on()) on += signs.on();

@@ -1,11 +1,11 @@
-// Both sides of a cut name it by the same line, so no geometry has to be searched: the corners that end an edge on a line are gathered by line, sorted
-// along it, and given to every edge on that line that passes over them.
+// Both sides of a cut name it by the same line, so no geometry has to be searched: the corners that end an edge on a line are gathered by
+// line, sorted along it, and given to every edge on that line that passes over them.
 
 #include "conform.hpp"
 
-#include <algorithm>
-
 #include <tbb/parallel_for.h>
+
+#include <algorithm>
 
 namespace shadowcut {
 namespace {
@@ -14,8 +14,8 @@ struct FragmentRef {
   std::uint32_t face, output, fragment;
 };
 
-// A line as it lies in a face. A face that was not flat has several planes, and a line that cuts two of them lies in each elsewhere; only the
-// facets' own edges are in both.
+// A line as it lies in a face. A face that was not flat has several planes, and a line that cuts two of them lies in each elsewhere; only
+// the facets' own edges are in both.
 struct Key {
   std::uint64_t line;
   std::uint32_t plane;  // none: the line is an edge of the facet
@@ -85,8 +85,8 @@ void between(const std::vector<End>& ends, Key line, const Vec3& a, const Vec3& 
   if (at_a > at_b) std::reverse(out.begin(), out.end());
 }
 
-// Two lines meet in one corner whoever cuts, and so do the edges of one vertex. But where an edge pierces a face, or edges of different objects line up, more
-// lines pass through one point, and each pair of them gives it with its own last bits.
+// Two lines meet in one corner whoever cuts, and so do the edges of one vertex. But where an edge pierces a face, or edges of different
+// objects line up, more lines pass through one point, and each pair of them gives it with its own last bits.
 void weld(const Scene& scene, std::span<const std::span<const FragmentRef>> faces, std::vector<CellOutput>& outputs) {
   tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t face) {
     std::vector<Vec3*> all;
@@ -98,10 +98,12 @@ void weld(const Scene& scene, std::span<const std::span<const FragmentRef>> face
     // The input's own vertices stand; other corners take the numbers of the first one near enough.
     Eigen::AlignedBox3d box;
     std::vector<Vec3> anchors;
-    for (const Facet& facet : scene.facets().subspan(scene.faces()[faces[face][0].face].first_facet, scene.faces()[faces[face][0].face].facet_count)) {
+    for (const Facet& facet :
+         scene.facets().subspan(scene.faces()[faces[face][0].face].first_facet, scene.faces()[faces[face][0].face].facet_count)) {
       for (const Corner& c : scene.corners_of(facet)) anchors.push_back(scene.vertices()[c.vertex]), box.extend(anchors.back());
     }
-    const double near = 1e-12 * std::max(box.sizes().maxCoeff(), std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()) * 1e-2);
+    const double near =
+        1e-12 * std::max(box.sizes().maxCoeff(), std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()) * 1e-2);
     const std::size_t vertices = anchors.size();
     for (const Vec3* c : all) anchors.push_back(*c);
     std::vector<std::uint32_t> order(anchors.size()), group(anchors.size());
@@ -110,7 +112,8 @@ void weld(const Scene& scene, std::span<const std::span<const FragmentRef>> face
       while (group[i] != i) i = group[i] = group[group[i]];
       return i;
     };
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return anchors[a].x() != anchors[b].x() ? anchors[a].x() < anchors[b].x() : a < b; });
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return anchors[a].x() != anchors[b].x() ? anchors[a].x() < anchors[b].x() : a < b; });
     for (std::size_t i = 0; i < order.size(); ++i) {
       for (std::size_t j = i; j-- > 0 && anchors[order[i]].x() - anchors[order[j]].x() <= near;) {
         if ((anchors[order[i]] - anchors[order[j]]).cwiseAbs().maxCoeff() > near) continue;

@@ -1,18 +1,17 @@
 // Ear clipping with exact signs, then Hertel & Mehlhorn's merging.
 //
-// Why the result can be trusted: every clipped ear is a triangle of positive turn, and the triangles' boundaries add up to the outline's; so at every
-// point the number of triangles that cover it equals the outline's winding number. An outline that does not cross itself may still run round some place
-// twice, by passing through a corner or along an edge of its own; so it is tested that no two triangles overlap. Then they tile the figure. A figure
-// for which no such sequence of ears is found is refused, never cut wrongly.
+// Why the result can be trusted: every clipped ear is a triangle of positive turn, and the triangles' boundaries add up to the outline's;
+// so at every point the number of triangles that cover it equals the outline's winding number. An outline that does not cross itself may
+// still run round some place twice, by passing through a corner or along an edge of its own; so it is tested that no two triangles overlap.
+// Then they tile the figure. A figure for which no such sequence of ears is found is refused, never cut wrongly.
 
 #include "convex.hpp"
 
 #include <algorithm>
+#include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
-
-#include <boost/multiprecision/cpp_int.hpp>
 
 namespace shadowcut {
 namespace {
@@ -88,7 +87,8 @@ bool bridge(std::span<const Vec2> p, Loop& outer, const Loop& hole, const std::v
       const Vec2 &c = p[loop[k]], &d = p[loop[(k + 1) % loop.size()]];
       if (cross_properly(a, b, c, d)) return true;
       if (c != a && c != b && turn(a, b, c) == 0 && within(c, a, b)) return true;  // a corner in the way
-      if (((a != c && a != d && turn(c, d, a) == 0 && within(a, c, d)) || (b != c && b != d && turn(c, d, b) == 0 && within(b, c, d)))) return true;
+      if (((a != c && a != d && turn(c, d, a) == 0 && within(a, c, d)) || (b != c && b != d && turn(c, d, b) == 0 && within(b, c, d))))
+        return true;
     }
     return false;
   };

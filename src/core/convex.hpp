@@ -1,11 +1,10 @@
 // Cutting an outline with holes into convex parts.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace shadowcut {
 

@@ -1,5 +1,5 @@
-// A face's fragments lie at its locations in the tree. A piece behind a PP-node is one shadowed fragment. A piece on a PP-node (its owner, or
-// coplanar with it) is cut by what stands in front: the SP-nodes of the front subtree down to the next PP-nodes. Leaves there are lit,
+// A face's fragments lie at its locations in the tree. A piece behind a PP-node is one shadowed fragment. A piece on a PP-node (its owner,
+// or coplanar with it) is cut by what stands in front: the SP-nodes of the front subtree down to the next PP-nodes. Leaves there are lit,
 // the regions of those PP-nodes are shadowed by their faces.
 
 #include "emit.hpp"
@@ -13,7 +13,8 @@ namespace {
 constexpr std::uint32_t lit_state = none;        // states: lit, a casting face, or
 constexpr std::uint32_t mixed_state = none - 1;  // more than one
 
-// The area of a polygon handed over corner by corner, as its part along the plane's normal: linear in the corners, so the areas of parts add up.
+// The area of a polygon handed over corner by corner, as its part along the plane's normal: linear in the corners, so the areas of parts
+// add up.
 class AreaSum {
  public:
   explicit AreaSum(const Vec3& first) : origin_(first) {}
@@ -35,7 +36,14 @@ bool flat_enough(const Plane& plane, const Face& face) { return plane.flatness *
 class CellEmitter {
  public:
   CellEmitter(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target, Workspace& w, CellOutput& out)
-      : tree_(tree), cell_(cell), target_(target), w_(w), out_(out), nodes_(tree.nodes()), pieces_(tree.pieces()), merge_(merge),
+      : tree_(tree),
+        cell_(cell),
+        target_(target),
+        w_(w),
+        out_(out),
+        nodes_(tree.nodes()),
+        pieces_(tree.pieces()),
+        merge_(merge),
         reversed_(target.space.handedness() < 0) {
     if (merge_) find_states();
   }
@@ -121,8 +129,8 @@ class CellEmitter {
     hold(pieces_[p].facet, tree_.corners(pieces_[p]), p, place, state);
   }
 
-  // A facet's fragments come in the order in which filtering cut it, depth first: the two sides of a cut stand side by side once each is in one. So
-  // holding them on a stack and joining the two on top as long as they join reunites every cut whose sides came to the same state
+  // A facet's fragments come in the order in which filtering cut it, depth first: the two sides of a cut stand side by side once each is in
+  // one. So holding them on a stack and joining the two on top as long as they join reunites every cut whose sides came to the same state
   // (Slater 1992, figure 6).
   void hold(std::uint32_t facet, std::span<const ConeCorner> corners, std::uint32_t piece, std::uint32_t place, std::uint32_t state) {
     if (!merge_) return emit_polygon(facet, corners, piece, place, state);
@@ -162,22 +170,27 @@ class CellEmitter {
   static bool same_ray(const ConeCorner& a, const ConeCorner& b) { return a.r[0] == b.r[0] && a.r[1] == b.r[1] && a.r[2] == b.r[2]; }
   static bool same_side(EdgeRef a, EdgeRef b) { return a.line() == b.line() && a.negative() == b.negative(); }
 
-  // Whether the turn from the corner `before`, at a corner that leaves along `edge`, is certainly convex: before lies inside of that edge's line.
+  // Whether the turn from the corner `before`, at a corner that leaves along `edge`, is certainly convex: before lies inside of that edge's
+  // line.
   bool turns_inward(const ConeCorner& before, EdgeRef edge) const {
     const Line& l = tree_.line(edge.line());
     const double s = l.n[0] * before.r[0] + l.n[1] * before.r[1] + l.n[2] * before.r[2];
-    // The piece's own error is not kept here; a corner's is at most twice a line's and a cross product's, and this is only a choice to join or not.
+    // The piece's own error is not kept here; a corner's is at most twice a line's and a cross product's, and this is only a choice to join
+    // or not.
     return (edge.negative() ? -s : s) > 16 * static_cast<double>(l.error) + 16 * sign_slack;
   }
 
-  // a's edge i is b's edge j, the other way. The union runs round a from behind that edge, then round b; where both go on along one line, the corner
-  // between them goes.
+  // a's edge i is b's edge j, the other way. The union runs round a from behind that edge, then round b; where both go on along one line,
+  // the corner between them goes.
   bool join(Held& a, std::uint32_t i, const Held& b, std::uint32_t j) {
     const ConeCorner *p = held_corners_.data() + a.first, *q = held_corners_.data() + b.first;
-    const auto at = [](const ConeCorner* c, std::uint32_t k, std::uint32_t n) -> const ConeCorner& { return c[k < n ? k : k - n]; };  // k < 2n
-    const ConeCorner &start = at(p, i + 1, a.count), &end = p[i];                               // of a's run
+    const auto at = [](const ConeCorner* c, std::uint32_t k, std::uint32_t n) -> const ConeCorner& {
+      return c[k < n ? k : k - n];
+    };                                                             // k < 2n
+    const ConeCorner &start = at(p, i + 1, a.count), &end = p[i];  // of a's run
     const ConeCorner &into_start = at(q, j + b.count - 1, b.count), &from_end = at(q, j + 1, b.count);
-    const bool start_straight = same_side(into_start.edge, start.edge), end_straight = same_side(at(p, i + a.count - 1, a.count).edge, from_end.edge);
+    const bool start_straight = same_side(into_start.edge, start.edge),
+               end_straight = same_side(at(p, i + a.count - 1, a.count).edge, from_end.edge);
     if (!start_straight && !turns_inward(into_start, start.edge)) return false;
     if (!end_straight && !turns_inward(at(p, i + a.count - 1, a.count), from_end.edge)) return false;
     joined_.clear();
@@ -196,7 +209,8 @@ class CellEmitter {
   }
 
   // Counter-clockwise seen from the light.
-  void emit_polygon(std::uint32_t facet_id, std::span<const ConeCorner> cone, std::uint32_t piece, std::uint32_t place, std::uint32_t state) {
+  void emit_polygon(std::uint32_t facet_id, std::span<const ConeCorner> cone, std::uint32_t piece, std::uint32_t place,
+                    std::uint32_t state) {
     const Facet& facet = target_.scene.facets()[facet_id];
     const Plane& plane = target_.scene.planes()[facet.plane];
     const double* q = target_.tables.planes[facet.plane].q;
@@ -220,10 +234,12 @@ class CellEmitter {
       area = sum.area(plane.normal);
     }
     const bool lit = state == lit_state;
-    out_.block.fragments.push_back({{cell_, piece, place}, facet.face, facet_id, lit ? none : state, static_cast<std::uint32_t>(first), count, lit, area});
+    out_.block.fragments.push_back(
+        {{cell_, piece, place}, facet.face, facet_id, lit ? none : state, static_cast<std::uint32_t>(first), count, lit, area});
     if (!target_.keep_lines) return;
     for (std::uint32_t k = 0; k < count; ++k) {
-      const std::uint32_t line = cone[reversed_ ? (2 * count - 2 - k) % count : k].edge.line();  // the edge that leaves corner k in this order
+      const std::uint32_t line =
+          cone[reversed_ ? (2 * count - 2 - k) % count : k].edge.line();  // the edge that leaves corner k in this order
       const std::uint64_t own = line < target_.tables.lines.size() ? 0 : static_cast<std::uint64_t>(cell_ + 1) << 32;
       out_.edge_lines.push_back(own + line);
     }
@@ -251,7 +267,8 @@ double area_of_facet(const EmitTarget& target, std::uint32_t facet_id, bool in_l
   const Plane& plane = target.scene.planes()[facet.plane];
   const bool project = in_light && !flat_enough(plane, target.scene.faces()[facet.face]);
   const auto corner = [&](const Corner& c) {
-    return project ? target.space.back(target.tables.rays[c.vertex].r, target.tables.planes[facet.plane].q) : target.scene.vertices()[c.vertex];
+    return project ? target.space.back(target.tables.rays[c.vertex].r, target.tables.planes[facet.plane].q)
+                   : target.scene.vertices()[c.vertex];
   };
   const auto corners = target.scene.corners_of(facet);
   AreaSum sum(corner(corners[0]));

@@ -11,7 +11,8 @@ namespace shadowcut {
 // A block with what later stages need of each corner and fragment.
 struct CellOutput {
   Block block;
-  // By corner, in the block's order: the line of the edge that leaves it; lines of a cell's own are told apart by the cell. Only filled for the conforming form.
+  // By corner, in the block's order: the line of the edge that leaves it; lines of a cell's own are told apart by the cell. Only filled for
+  // the conforming form.
   std::vector<std::uint64_t> edge_lines;
 };
 

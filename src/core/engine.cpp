@@ -1,7 +1,7 @@
-#include <thread>
+#include <tbb/task_arena.h>
 
 #include <shadowcut/shadows.hpp>
-#include <tbb/task_arena.h>
+#include <thread>
 
 #include "combine.hpp"
 #include "light_tree.hpp"

@@ -3,9 +3,8 @@
 
 #include <bit>
 #include <cstdint>
-#include <vector>
-
 #include <shadowcut/scene.hpp>
+#include <vector>
 
 namespace shadowcut {
 

@@ -76,12 +76,13 @@ Line LightSpace::line(const Vec3& a, const Vec3& b) const {
   return {{n[0] / length, n[1] / length, n[2] / length}, up(error / length + 2 * unit_roundoff), none, none};
 }
 
-// The signed distance of the light from the plane, to a positive factor: positive when the front is turned away. error: of this number, for the plane
-// as given; tilted: how far it may move because the plane is only as sure as its corners.
+// The signed distance of the light from the plane, to a positive factor: positive when the front is turned away. error: of this number, for
+// the plane as given; tilted: how far it may move because the plane is only as sure as its corners.
 double LightSpace::awayness(const Plane& p, double& error, double& tilted) const {
   const Vec3 d = p.point - center_;
   const Vec3 m = p.normal;
-  const double reach = m.dot(d) * inverse_scale_, size = m.cwiseAbs().dot(d.cwiseAbs()) * inverse_scale_, flatness = p.flatness * inverse_scale_;
+  const double reach = m.dot(d) * inverse_scale_, size = m.cwiseAbs().dot(d.cwiseAbs()) * inverse_scale_,
+               flatness = p.flatness * inverse_scale_;
   if (!far_) {
     error = 6 * unit_roundoff * size + flatness;
     tilted = p.tilt * d.stableNorm() * inverse_scale_;
@@ -90,7 +91,8 @@ double LightSpace::awayness(const Plane& p, double& error, double& tilted) const
   const double inverse_depth = inverse_depth_ * scale_;
   const double mx = m[axis_[0]], my = m[axis_[1]], mz = m[axis_[2]];
   const double k = mx * shear_x_ + my * shear_y_ + mz + reach * inverse_depth;
-  error = 8 * unit_roundoff * (std::abs(mx) + std::abs(my) + std::abs(mz) + size * std::abs(inverse_depth)) + flatness * std::abs(inverse_depth);
+  error = 8 * unit_roundoff * (std::abs(mx) + std::abs(my) + std::abs(mz) + size * std::abs(inverse_depth)) +
+          flatness * std::abs(inverse_depth);
   tilted = 2 * p.tilt;
   return k * sign_;
 }

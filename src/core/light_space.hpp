@@ -6,19 +6,18 @@
 //   - a plane through the light is a covector n: n.r = 0.
 // Three frames differ only in T:
 //   near point light    C = the light, r = (x - C) / scale, h = 1               (q.r is 1 / distance along the ray)
-//   far point light     C = the scene's centre, r sheared and scaled to the scene's size: the light's distance cancels by algebra, not in digits
-//   directional light   the far frame's limit (1 / distance to the light = 0)
+//   far point light     C = the scene's centre, r sheared and scaled to the scene's size: the light's distance cancels by algebra, not in
+//   digits directional light   the far frame's limit (1 / distance to the light = 0)
 //
 // Numbers of the fast kernel. u = 2^-53. Rays of vertices and normals of lines have length 1 (within rounding), and carry an absolute bound
 // on the distance from the true unit vector (up to a positive factor). A corner cut from two lines is their cross product as it is:
-// length <= 1, error <= err1 + err2 + 3u. So a sign test n.r is decided when |n.r| > err(n) + err(r) + 4u. (|r| <= 1; three products and two sums
-// lose at most 3u |n| |r|; the fourth u pays for second-order terms and for the unit lengths' own rounding.)
+// length <= 1, error <= err1 + err2 + 3u. So a sign test n.r is decided when |n.r| > err(n) + err(r) + 4u. (|r| <= 1; three products and
+// two sums lose at most 3u |n| |r|; the fourth u pays for second-order terms and for the unit lengths' own rounding.)
 #pragma once
 
 #include <cstdint>
-#include <vector>
-
 #include <shadowcut/scene.hpp>
+#include <vector>
 
 namespace shadowcut {
 
@@ -51,8 +50,9 @@ class LightSpace {
   LightSpace(const Light& light, const Eigen::AlignedBox3d& box);
 
   VertexRay ray(const Vec3& x) const;
-  Line line(const Vec3& a, const Vec3& b) const;  // through the edge a -> b: positive on the left as the light sees it, or its mirror image; a, b unset
-  PlaneRay plane(const Plane& p) const;           // only for planes not seen edge-on
+  Line line(const Vec3& a,
+            const Vec3& b) const;  // through the edge a -> b: positive on the left as the light sees it, or its mirror image; a, b unset
+  PlaneRay plane(const Plane& p) const;  // only for planes not seen edge-on
   Turned turned(const Plane& p) const;
   // The point where the ray r meets the plane q.
   Vec3 back(const double r[3], const double q[3]) const {
@@ -77,11 +77,13 @@ class LightSpace {
 
   bool far_;
   Vec3 center_;
-  int axis_[3] = {0, 1, 2};             // far: which world axes play x, y, z
-  double shear_x_ = 0, shear_y_ = 0;    // far: d_x / d_z, d_y / d_z
-  double inverse_depth_ = 0;            // far: 1 / d_z; directional: 0
-  double sign_ = 1;                     // far: of d_z
-  double scale_ = 1, inverse_scale_ = 1;  // the scene's size as the light sees it, a power of two: neither tiny nor huge scenes leave the range of float and double
+  int axis_[3] = {0, 1, 2};           // far: which world axes play x, y, z
+  double shear_x_ = 0, shear_y_ = 0;  // far: d_x / d_z, d_y / d_z
+  double inverse_depth_ = 0;          // far: 1 / d_z; directional: 0
+  double sign_ = 1;                   // far: of d_z
+  double scale_ = 1,
+         inverse_scale_ =
+             1;  // the scene's size as the light sees it, a power of two: neither tiny nor huge scenes leave the range of float and double
   int handedness_ = 1;
 };
 

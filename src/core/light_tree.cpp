@@ -1,14 +1,14 @@
 #include "light_tree.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <mutex>
 #include <numeric>
-
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include "conform.hpp"
 #include "id_table.hpp"
@@ -60,7 +60,8 @@ void parallel(std::size_t count, std::size_t grain, const Body& body) {
 
 }  // namespace
 
-LightTree::LightTree(const Scene& scene, const Light& light, const Options& options) : scene_(scene), light_(light), space_(light, box_of(scene)) {
+LightTree::LightTree(const Scene& scene, const Light& light, const Options& options)
+    : scene_(scene), light_(light), space_(light, box_of(scene)) {
   const auto start = Clock::now();
   tables_.facets = scene.facets();
   tables_.objects = scene.objects();
@@ -124,7 +125,8 @@ void LightTree::face_the_light() {
 // Rays, lines and planes of what enters.
 void LightTree::fill_tables() {
   const auto facets = scene_.facets();
-  std::vector<std::uint8_t> vertex_used(scene_.vertices().size(), 0), edge_used(scene_.edges().size(), 0), plane_used(scene_.planes().size(), 0);
+  std::vector<std::uint8_t> vertex_used(scene_.vertices().size(), 0), edge_used(scene_.edges().size(), 0),
+      plane_used(scene_.planes().size(), 0);
   for (std::size_t i = 0; i < facets.size(); ++i) {
     if (!enters_[i]) continue;
     plane_used[facets[i].plane] = 1;
@@ -227,8 +229,8 @@ Cone* LightTree::cone_of_facet(std::uint32_t facet, ConePool& pool) const {
   return cone;
 }
 
-// Facets are filtered through the prefix in chunks of a fixed size, then every cell's tree is built from its parts in the order of insertion: whatever
-// the number of threads, a cell sees the same parts in the same order.
+// Facets are filtered through the prefix in chunks of a fixed size, then every cell's tree is built from its parts in the order of
+// insertion: whatever the number of threads, a cell sees the same parts in the same order.
 void LightTree::build(const std::vector<std::uint32_t>& order, const Options& options) {
   constexpr std::size_t chunk_size = 2048;
   struct Part {
@@ -345,7 +347,8 @@ void LightTree::sum_up() {
   Stats& s = shadows_.stats;
   auto& areas = shadows_.areas;
   areas.assign(scene_.faces().size(), {});
-  for (std::size_t i = 0; i < facing_.size(); ++i) areas[scene_.facets()[i].face].facing = std::max(areas[scene_.facets()[i].face].facing, facing_[i]);
+  for (std::size_t i = 0; i < facing_.size(); ++i)
+    areas[scene_.facets()[i].face].facing = std::max(areas[scene_.facets()[i].face].facing, facing_[i]);
   for (std::size_t f = 0; f < areas.size(); ++f) {
     if (areas[f].facing == Facing::ignored) areas[f].area = scene_.faces()[f].area;
   }

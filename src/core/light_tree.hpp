@@ -41,8 +41,8 @@ class LightTree {
   Light light_;
   LightSpace space_;
   LightTables tables_;
-  std::vector<Turned> turned_;   // by facet
-  std::vector<Facing> facing_;   // by facet
+  std::vector<Turned> turned_;        // by facet
+  std::vector<Facing> facing_;        // by facet
   std::vector<std::uint8_t> enters_;  // by facet
   std::unique_ptr<Prefix> prefix_;
   std::vector<CellTree> cells_;

@@ -1,5 +1,5 @@
-// The balanced prefix: a k-d tree of plain dividing planes through the light, by median splits of the facets' ray directions. Its cells are small trees of
-// their own, built by one thread each.
+// The balanced prefix: a k-d tree of plain dividing planes through the light, by median splits of the facets' ray directions. Its cells are
+// small trees of their own, built by one thread each.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,8 @@ class Prefix {
 
   // Filters a cone into the cells it meets; deliver(cell, cone) takes each part.
   template <class Lines, class Deliver>
-  void filter(Cone* cone, std::span<const VertexRay> rays, const Lines& lines, ConePool& pool, std::vector<std::int8_t>& spill, std::vector<Cone*>& pending, Deliver deliver) const {
+  void filter(Cone* cone, std::span<const VertexRay> rays, const Lines& lines, ConePool& pool, std::vector<std::int8_t>& spill,
+              std::vector<Cone*>& pending, Deliver deliver) const {
     cone->at = root_.bits;
     std::uint64_t on = 0;
     const std::size_t bottom = pending.size();

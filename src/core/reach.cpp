@@ -57,8 +57,8 @@ bool within_reach(const Scene& scene, const Facet& facet, const Light& light) {
   return !light.spot || angle_to_facet(scene, facet, light.at, light.spot->axis.stableNormalized()) <= light.spot->half_angle;
 }
 
-// By the winding number: the solid angles of all triangles, signed (Van Oosterom & Strackee 1983), add up to 4 pi inside, to 0 outside, and to something
-// between on the surface: at an edge or a vertex the solid takes up a part of all directions.
+// By the winding number: the solid angles of all triangles, signed (Van Oosterom & Strackee 1983), add up to 4 pi inside, to 0 outside, and
+// to something between on the surface: at an edge or a vertex the solid takes up a part of all directions.
 bool in_or_on_solid(const Scene& scene, const Object& object, const Vec3& p) {
   Eigen::AlignedBox3d box;
   for (std::uint32_t i = 0; i < object.vertex_count; ++i) box.extend(scene.vertices()[object.first_vertex + i]);

@@ -1,12 +1,11 @@
 // The door: everything that enters a scene is welded, checked and cut into convex facets here, once.
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numbers>
 #include <numeric>
-
-#include <Eigen/LU>
 #include <shadowcut/scene.hpp>
 
 #include "convex.hpp"
@@ -37,14 +36,22 @@ std::span<const std::uint32_t> Mesh::loop(std::size_t face, std::size_t k) const
 
 const char* describe(Reason reason) {
   switch (reason) {
-    case Reason::non_finite: return "a coordinate is not finite";
-    case Reason::index_out_of_range: return "a corner's index is out of range";
-    case Reason::too_few_corners: return "fewer than three distinct corners";
-    case Reason::zero_area: return "zero area";
-    case Reason::self_intersecting: return "the outline intersects itself";
-    case Reason::duplicate: return "duplicate of an earlier face";
-    case Reason::repeated_corner: return "repeated corner removed";
-    case Reason::not_flat: return "not flat, triangulated";
+    case Reason::non_finite:
+      return "a coordinate is not finite";
+    case Reason::index_out_of_range:
+      return "a corner's index is out of range";
+    case Reason::too_few_corners:
+      return "fewer than three distinct corners";
+    case Reason::zero_area:
+      return "zero area";
+    case Reason::self_intersecting:
+      return "the outline intersects itself";
+    case Reason::duplicate:
+      return "duplicate of an earlier face";
+    case Reason::repeated_corner:
+      return "repeated corner removed";
+    case Reason::not_flat:
+      return "not flat, triangulated";
   }
   return "";
 }
@@ -105,8 +112,8 @@ class Door {
         for (std::size_t i = begin; i < cycle.size(); ++i) hash = mix(hash + cycle[i]);
         const auto next = static_cast<std::uint32_t>(hashes.size());
         const auto same = [&](std::uint32_t id) {
-          return std::equal(cycle.begin() + outline_begin[id], cycle.begin() + outline_begin[id + 1], cycle.begin() + static_cast<std::ptrdiff_t>(begin),
-                            cycle.end());
+          return std::equal(cycle.begin() + outline_begin[id], cycle.begin() + outline_begin[id + 1],
+                            cycle.begin() + static_cast<std::ptrdiff_t>(begin), cycle.end());
         };
         if (known.find_or_add(hash, next, same, [&](std::uint32_t id) { return hashes[id]; }) != next) {
           report(f, Reason::duplicate);
@@ -141,7 +148,8 @@ class Door {
         continue;
       }
       const auto id = table.find_or_add(
-          hash_position(v), next, [&](std::uint32_t j) { return vertices[j] == v; }, [&](std::uint32_t j) { return hash_position(vertices[j]); });
+          hash_position(v), next, [&](std::uint32_t j) { return vertices[j] == v; },
+          [&](std::uint32_t j) { return hash_position(vertices[j]); });
       if (id == next) vertices.push_back(v);
       vertex_of_[i] = id;
     }
@@ -207,7 +215,8 @@ class Door {
     out.plane.point = origin;
     out.plane.flatness = 0;
     for (const Loop& l : loops) {
-      for (const std::uint32_t v : l) out.plane.flatness = std::max(out.plane.flatness, std::abs(out.plane.normal.dot(vertices[v] - origin)));
+      for (const std::uint32_t v : l)
+        out.plane.flatness = std::max(out.plane.flatness, std::abs(out.plane.normal.dot(vertices[v] - origin)));
     }
     out.area = length / 2 * size * size;
     // Over the face's least width, which is no less than area / diameter.
@@ -219,7 +228,8 @@ class Door {
   // Cuts the figure in loops_ into facets of `face`.
   void cut(std::uint32_t f, Face& face, IdTable& edge_ids) {
     const Fit whole = fit(loops_);
-    if (!std::isfinite(whole.diameter) || !std::isfinite(whole.area)) return report(f, Reason::non_finite, "its extent is not representable");
+    if (!std::isfinite(whole.diameter) || !std::isfinite(whole.area))
+      return report(f, Reason::non_finite, "its extent is not representable");
     if (whole.zero) return report(f, Reason::zero_area);
 
     // Straight down the normal's largest component: those coordinates are the input's own, so every turn below is exact.
@@ -252,7 +262,8 @@ class Door {
     }
     if (!is_flat && whole.plane.flatness > 0 && parts.size() > 1) {
       char detail[80];
-      std::snprintf(detail, sizeof detail, "a corner lies %.3g off the plane, %.3g of the diameter", whole.plane.flatness, whole.plane.flatness / whole.diameter);
+      std::snprintf(detail, sizeof detail, "a corner lies %.3g off the plane, %.3g of the diameter", whole.plane.flatness,
+                    whole.plane.flatness / whole.diameter);
       report(f, Reason::not_flat, detail);
     }
     if (is_flat) planes.push_back(whole.plane);
@@ -261,7 +272,8 @@ class Door {
       const Fit own = fit(std::span(&part, 1));
       if (own.zero) continue;  // a sliver that only rounding sees: it has no area to be lit
       if (!is_flat) planes.push_back(own.plane);
-      facets.push_back({0, static_cast<std::uint32_t>(planes.size() - 1), static_cast<std::uint32_t>(corners.size()), static_cast<std::uint32_t>(part.size())});
+      facets.push_back({0, static_cast<std::uint32_t>(planes.size() - 1), static_cast<std::uint32_t>(corners.size()),
+                        static_cast<std::uint32_t>(part.size())});
       ++face.facet_count;
       face.area += own.area;
       for (std::size_t i = 0; i < part.size(); ++i) corners.push_back({part[i], edge_id(edge_ids, part[i], part[(i + 1) % part.size()])});
@@ -274,7 +286,8 @@ class Door {
     const auto hash = [](const Edge& k) { return mix((std::uint64_t{k.a} << 32) | k.b); };
     const auto next = static_cast<std::uint32_t>(edges.size());
     const auto id = table.find_or_add(
-        hash(e), next, [&](std::uint32_t i) { return edges[i].a == e.a && edges[i].b == e.b; }, [&](std::uint32_t i) { return hash(edges[i]); });
+        hash(e), next, [&](std::uint32_t i) { return edges[i].a == e.a && edges[i].b == e.b; },
+        [&](std::uint32_t i) { return hash(edges[i]); });
     if (id == next) edges.push_back(e);
     return (id << 1) | (from > to ? 1u : 0u);
   }
@@ -328,10 +341,12 @@ class Door {
       if ((forward[e] == none) != (backward[e] == none)) closed = false;
       if (forward[e] != none && backward[e] != none) part[find(forward[e])] = find(backward[e]);
     }
-    // Every part's volume, seen from a corner of its own and in units of its own size: parts far apart or of very different size do not disturb
-    // each other.
+    // Every part's volume, seen from a corner of its own and in units of its own size: parts far apart or of very different size do not
+    // disturb each other.
     std::vector<Eigen::AlignedBox3d> box(faces.size());
-    const auto corner_of = [&](const Face& face, std::uint32_t i) -> const Vec3& { return vertices[corners[facets[face.first_facet].first_corner + i].vertex]; };
+    const auto corner_of = [&](const Face& face, std::uint32_t i) -> const Vec3& {
+      return vertices[corners[facets[face.first_facet].first_corner + i].vertex];
+    };
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
       for (std::uint32_t k = 0; k < faces[f].facet_count; ++k) {
         const Facet& facet = facets[faces[f].first_facet + k];
@@ -355,9 +370,9 @@ class Door {
   const Mesh& mesh_;
   double tolerance_;
   bool mirrored_;
-  std::vector<std::uint32_t> vertex_of_;  // of the mesh -> welded; none: not finite
-  std::vector<Loop> loops_;               // of the face at hand
-  std::vector<Vec2> points_;              // of the face at hand, flattened
+  std::vector<std::uint32_t> vertex_of_;               // of the mesh -> welded; none: not finite
+  std::vector<Loop> loops_;                            // of the face at hand
+  std::vector<Vec2> points_;                           // of the face at hand, flattened
   std::vector<std::uint32_t> outline_, outline_face_;  // directed edges of the kept outlines; where each face's begin
 };
 
@@ -375,8 +390,8 @@ std::uint32_t Scene::add(const Mesh& mesh, const ObjectSettings& settings) {
 
   const auto object = static_cast<std::uint32_t>(objects_.size());
   const auto count = [](const auto& v) { return static_cast<std::uint32_t>(v.size()); };
-  const std::uint32_t vertex0 = count(vertices_), edge0 = count(edges_), plane0 = count(planes_), facet0 = count(facets_), face0 = count(faces_),
-                      corner0 = count(corners_);
+  const std::uint32_t vertex0 = count(vertices_), edge0 = count(edges_), plane0 = count(planes_), facet0 = count(facets_),
+                      face0 = count(faces_), corner0 = count(corners_);
   // Memory first: an exception leaves the scene as it was.
   const auto make_room = [](auto& v, std::size_t more) {
     if (v.capacity() - v.size() < more) v.reserve(std::max(v.size() + more, 2 * v.capacity()));
@@ -389,8 +404,8 @@ std::uint32_t Scene::add(const Mesh& mesh, const ObjectSettings& settings) {
   make_room(facets_, door.facets.size());
   make_room(faces_, door.faces.size());
   make_room(issues_, door.issues.size());
-  Object entry{settings.name, settings.sides, settings.casts, settings.receives, settings.moves, face0, count(door.faces), vertex0, count(door.vertices),
-               door.signed_volume};
+  Object entry{settings.name, settings.sides,    settings.casts, settings.receives,    settings.moves,
+               face0,         count(door.faces), vertex0,        count(door.vertices), door.signed_volume};
   if (settings.sides == Sides::automatic) entry.sides = door.closed ? Sides::closed : Sides::open;
   objects_.push_back(std::move(entry));
   vertices_.insert(vertices_.end(), door.vertices.begin(), door.vertices.end());

@@ -121,7 +121,8 @@ std::uint32_t CellTree::add_node(const double n[3], float error, std::uint32_t i
 std::uint32_t CellTree::crossing_line(const double d[3], double error) {
   const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
   const double relative = error / length + 2 * unit_roundoff;
-  local_lines_.push_back({{d[0] / length, d[1] / length, d[2] / length}, std::nextafter(static_cast<float>(relative), INFINITY), none, none});
+  local_lines_.push_back(
+      {{d[0] / length, d[1] / length, d[2] / length}, std::nextafter(static_cast<float>(relative), INFINITY), none, none});
   return static_cast<std::uint32_t>(tables_->lines.size() + local_lines_.size() - 1);
 }
 
@@ -150,8 +151,8 @@ void CellTree::reserve(std::size_t facets) {
 }
 
 std::uint64_t CellTree::bytes() const {
-  return nodes_.size() * sizeof(Node) + links_.size() * sizeof(NodeLinks) + pieces_.size() * sizeof(Piece) + corners_.size() * sizeof(ConeCorner) +
-         local_lines_.size() * sizeof(Line);
+  return nodes_.size() * sizeof(Node) + links_.size() * sizeof(NodeLinks) + pieces_.size() * sizeof(Piece) +
+         corners_.size() * sizeof(ConeCorner) + local_lines_.size() * sizeof(Line);
 }
 
 std::uint64_t CellTree::depth() const {

@@ -1,11 +1,13 @@
 // The unordered shadow-volume BSP tree (CS95) of one cell of light space.
 //
-//   SP-node  a shadow plane: a plane through the light and an edge. It divides the cell; its two children are the sides on which n.r is positive and negative.
-//   PP-node  a face's plane, where everything is inside the shadow volume of one piece of that face. Its one child is what is in front;
+//   SP-node  a shadow plane: a plane through the light and an edge. It divides the cell; its two children are the sides on which n.r is
+//   positive and negative. PP-node  a face's plane, where everything is inside the shadow volume of one piece of that face. Its one child
+//   is what is in front;
 //            what is behind is a list of pieces, shadowed.
 //   OUT      a leaf: nothing (more) between here and the light. It may hold pieces of faces that receive but do not cast.
 //
-// A *piece* is what is left of a face where it came to rest: at the PP-node it owns, on a PP-node it is behind of or coplanar with, or at a leaf.
+// A *piece* is what is left of a face where it came to rest: at the PP-node it owns, on a PP-node it is behind of or coplanar with, or at a
+// leaf.
 //
 // Departures from CS95: only the edges that bound a piece get SP-nodes, and none where the cell is already bounded there; a face
 // that crosses another is cut along the crossing line, which becomes an SP-node of the part in front; coplanar faces share
@@ -13,11 +15,10 @@
 #pragma once
 
 #include <cstdint>
+#include <shadowcut/shadows.hpp>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <shadowcut/shadows.hpp>
 
 #include "cone.hpp"
 
@@ -44,10 +45,10 @@ class Child {
 };
 
 struct Node {
-  double n[3];      // SP: the line; PP: the plane's q
-  float error;      // of n
-  Child child[2];   // SP: positive, negative side; PP: [0] in front, [1] unused
-  std::uint32_t id; // SP: line; PP: the owner, a piece
+  double n[3];       // SP: the line; PP: the plane's q
+  float error;       // of n
+  Child child[2];    // SP: positive, negative side; PP: [0] in front, [1] unused
+  std::uint32_t id;  // SP: line; PP: the owner, a piece
 };
 static_assert(sizeof(Node) == 40);
 
@@ -66,19 +67,20 @@ struct Piece {
   std::uint32_t facet;
   std::uint32_t first_corner, corner_count;
   float error;
-  std::uint32_t place;     // owner, behind, coplanar: the PP-node; at_leaf: the leaf's place
-  std::uint32_t next;      // in the list of that place; none at its end
+  std::uint32_t place;  // owner, behind, coplanar: the PP-node; at_leaf: the leaf's place
+  std::uint32_t next;   // in the list of that place; none at its end
   Kind kind;
   Location location;  // the next in the facet's location list (CS95, section 3), over all cells
 };
 
 inline constexpr std::uint32_t root_place = none;
 
-// What all cells of one light share, read-only while cells are built. Line ids: edges of the scene, then the prefix's, then each cell's own.
+// What all cells of one light share, read-only while cells are built. Line ids: edges of the scene, then the prefix's, then each cell's
+// own.
 struct LightTables {
-  std::vector<Line> lines;          // by line id, below first_local_line
-  std::vector<VertexRay> rays;      // by Scene::vertices(); only those of facets that enter are filled in
-  std::vector<PlaneRay> planes;     // by Scene::planes(); likewise
+  std::vector<Line> lines;       // by line id, below first_local_line
+  std::vector<VertexRay> rays;   // by Scene::vertices(); only those of facets that enter are filled in
+  std::vector<PlaneRay> planes;  // by Scene::planes(); likewise
   std::span<const Facet> facets;
   std::span<const Object> objects;
   std::span<const Face> faces;

@@ -46,7 +46,8 @@ std::string CellTree::validate() const {
     if (!tables_->casts(pieces_[owner].facet)) return say("a PP-node's owner does not cast", node);
     for (std::uint32_t p = links_[node].owner; p != none; p = pieces_[p].next) {
       if (p >= pieces_.size() || held[p]++) return say("a PP-node's list is broken", node);
-      if (pieces_[p].kind != Piece::Kind::behind && pieces_[p].kind != Piece::Kind::coplanar) return say("a piece in a list is of the wrong kind", p);
+      if (pieces_[p].kind != Piece::Kind::behind && pieces_[p].kind != Piece::Kind::coplanar)
+        return say("a piece in a list is of the wrong kind", p);
       if (pieces_[p].place != node) return say("a piece in a list does not know its PP-node", p);
     }
   }
@@ -71,7 +72,8 @@ std::string CellTree::validate() const {
         const PlaneRay& own = tables_->planes[tables_->facets[piece.facet].plane];
         const double d[3] = {own.q[0] - node.n[0], own.q[1] - node.n[1], own.q[2] - node.n[2]};
         const double size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
-        const double bound = static_cast<double>(own.error) + static_cast<double>(node.error) + size * (static_cast<double>(cone->error) + 6 * unit_roundoff);
+        const double bound = static_cast<double>(own.error) + static_cast<double>(node.error) +
+                             size * (static_cast<double>(cone->error) + 6 * unit_roundoff);
         if (Signs(*cone, d, bound, spill).negative()) return say("a piece in front of a PP-node reaches behind it", p);
         continue;
       }
@@ -84,7 +86,8 @@ std::string CellTree::validate() const {
         if (cone->corners()[i].edge.line() == node.id || (signs[i] == 0 && signs[j] == 0)) edge_bounded[i] = 1;
       }
     }
-    // 6. An owner's piece fills its PP-node's cell: an SP-node, of its own or another's, stands at every edge. (Edges that a plane of the prefix bounds are marked.)
+    // 6. An owner's piece fills its PP-node's cell: an SP-node, of its own or another's, stands at every edge. (Edges that a plane of the
+    // prefix bounds are marked.)
     if (piece.kind == Piece::Kind::owner) {
       for (std::uint32_t i = 0; i < cone->count; ++i) {
         if (!edge_bounded[i] && !cone->corners()[i].edge.bounded()) return say("an edge of a PP-node's owner has no SP-node", p);
@@ -96,9 +99,11 @@ std::string CellTree::validate() const {
       if (tables_->facets[pieces_[node.id].facet].plane != tables_->facets[piece.facet].plane) {
         const double d[3] = {own.q[0] - node.n[0], own.q[1] - node.n[1], own.q[2] - node.n[2]};
         const double size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
-        const double bound = static_cast<double>(own.error) + static_cast<double>(node.error) + size * (static_cast<double>(cone->error) + 6 * unit_roundoff);
+        const double bound = static_cast<double>(own.error) + static_cast<double>(node.error) +
+                             size * (static_cast<double>(cone->error) + 6 * unit_roundoff);
         const Signs signs(*cone, d, bound, spill);
-        if (signs.positive() || (signs.negative() && piece.kind == Piece::Kind::coplanar)) return say("a piece behind a PP-node reaches in front of it", p);
+        if (signs.positive() || (signs.negative() && piece.kind == Piece::Kind::coplanar))
+          return say("a piece behind a PP-node reaches in front of it", p);
       }
     }
     pool.give_back(cone);
@@ -127,7 +132,8 @@ std::string LightTree::validate() const {
   for (std::size_t f = 0; f < shadows_.areas.size(); ++f) {
     const FaceArea& a = shadows_.areas[f];
     if (a.facing == Facing::ignored || a.facing == Facing::refused) continue;
-    if (!(std::abs(a.lit + a.shadowed - a.area) <= 1e-9 * a.area)) return say("a face's lit and shadowed areas do not add up to its area", f);
+    if (!(std::abs(a.lit + a.shadowed - a.area) <= 1e-9 * a.area))
+      return say("a face's lit and shadowed areas do not add up to its area", f);
   }
   return {};
 }
