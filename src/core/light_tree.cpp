@@ -338,6 +338,11 @@ void LightTree::emit(const Options& options) {
     const FragmentId id{static_cast<std::uint32_t>(cells_.size()), i, none};
     away.block.fragments.push_back({id, facet.face, i, none, first, facet.corner_count, false, area_of_facet(target, i, false)});
   }
+  // Areas first: conforming moves corners by their last bits, and leaves out slivers that are nothing but those.
+  shadows_.areas.assign(scene_.faces().size(), {});
+  for (const CellOutput& o : outputs) {
+    for (const Fragment& f : o.block.fragments) (f.lit ? shadows_.areas[f.face].lit : shadows_.areas[f.face].shadowed) += f.area;
+  }
   if (conforming) make_conforming(scene_, outputs);
   shadows_.blocks.reserve(outputs.size());
   for (CellOutput& o : outputs) shadows_.blocks.push_back(std::move(o.block));
@@ -346,7 +351,6 @@ void LightTree::emit(const Options& options) {
 void LightTree::sum_up() {
   Stats& s = shadows_.stats;
   auto& areas = shadows_.areas;
-  areas.assign(scene_.faces().size(), {});
   for (std::size_t i = 0; i < facing_.size(); ++i)
     areas[scene_.facets()[i].face].facing = std::max(areas[scene_.facets()[i].face].facing, facing_[i]);
   for (std::size_t f = 0; f < areas.size(); ++f) {
@@ -355,9 +359,7 @@ void LightTree::sum_up() {
   for (const Block& block : shadows_.blocks) {
     s.bytes += block.fragments.size() * sizeof(Fragment) + block.corners.size() * sizeof(Vec3);
     for (const Fragment& f : block.fragments) {
-      FaceArea& a = areas[f.face];
-      (f.lit ? a.lit : a.shadowed) += f.area;
-      if (a.facing == Facing::toward) ++(f.lit ? s.lit_fragments : s.shadowed_fragments);
+      if (areas[f.face].facing == Facing::toward) ++(f.lit ? s.lit_fragments : s.shadowed_fragments);
     }
   }
   // A face's area is not taken from its fragments, so that their sum can be held against it.
