@@ -65,6 +65,10 @@ class LightSpace {
   // +1 when a loop that runs counter-clockwise seen from the light does so in r too (its lines positive inside), else -1.
   int handedness() const { return handedness_; }
   bool far() const { return far_; }
+  // How far from the frame's centre a box reaches, or the scene does.
+  double reach(const Eigen::AlignedBox3d& box) const {
+    return std::max(scale_, (box.min() - center_).cwiseAbs().cwiseMax((box.max() - center_).cwiseAbs()).norm());
+  }
 
  private:
   struct Raw {
