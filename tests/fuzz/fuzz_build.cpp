@@ -90,7 +90,9 @@ void check(const Scene& scene, const Shadows& shadows) {
   for (std::size_t i = 0; i < lit.size(); ++i) {
     const FaceArea& area = shadows.areas[i];
     if (area.facing == Facing::refused) continue;
-    const double size = size_of(scene, scene.faces()[i]), tolerance = 1e-7 * (area.area + size * size);
+    const double size = size_of(scene, scene.faces()[i]);
+    // Coordinates and distances from the light are up to 16 here, and every corner carries a rounding of them.
+    const double tolerance = 1e-7 * (area.area + size * size) + 64 * 0x1p-53 * 16 * size;
     require(area.lit >= 0 && area.shadowed >= 0, "a negative area");
     require(std::abs(area.lit + area.shadowed - area.area) <= tolerance, "lit and shadowed do not make the area");
     require(std::abs(lit[i] - area.lit) <= tolerance && std::abs(shadowed[i] - area.shadowed) <= tolerance, "fragments do not add up");
