@@ -43,7 +43,7 @@ struct Options {
   Form form = Form::merged;
   Order order = Order::solid_angle;
   std::uint64_t seed = 0;
-  unsigned threads = 0;                  // 0: one for each processor; the result does not depend on it
+  unsigned threads = 0;                  // 0: one for each processor, which is also the most; the result does not depend on it
   std::uint32_t facets_per_cell = 128;   // the balanced prefix stops dividing light space at about this many; 0: no prefix
   std::function<void(double)> progress;  // called now and then, from any thread but one at a time, with the share of the work done, 0 to 1
 };

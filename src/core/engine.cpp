@@ -1,7 +1,7 @@
+#include <tbb/info.h>
 #include <tbb/task_arena.h>
 
 #include <shadowcut/shadows.hpp>
-#include <thread>
 
 #include "combine.hpp"
 #include "light_tree.hpp"
@@ -9,8 +9,10 @@
 namespace shadowcut {
 namespace {
 
+// No more than TBB has workers for: asked for more it gives none, and says so on stderr.
 int threads_of(const Options& options) {
-  return static_cast<int>(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency()));
+  const int most = tbb::info::default_concurrency();
+  return options.threads == 0 || options.threads > static_cast<unsigned>(most) ? most : static_cast<int>(options.threads);
 }
 
 }  // namespace
