@@ -94,15 +94,15 @@ TEST(Invariance, RandomOrderDependsOnItsSeedAlone) {
 TEST(Invariance, EveryTreeIsValid) {
   for (const SceneData& data : some_scenes()) {
     SCOPED_TRACE(data.name);
-    const Scene scene = scenes::build(data);
+    Scene scene = scenes::build(data);
+    scene.add(Light::directional({0.25, 0.5, -1}));
     for (const std::uint32_t size : {0u, 4u, 64u}) {
       for (const Order order : {Order::solid_angle, Order::as_given, Order::random}) {
         Options options;
         options.facets_per_cell = size;
         options.order = order;
         Engine engine(scene, options);
-        engine.add_light(data.light);
-        engine.add_light(Light::directional({0.25, 0.5, -1}));
+        engine.update();
         EXPECT_EQ(engine.validate(), "") << "facets per cell " << size << ", order " << static_cast<int>(order);
       }
     }
@@ -186,10 +186,12 @@ TEST(Invariance, LengthOfADirectionDoesNotMatter) {
 TEST(Invariance, EngineRemembersWhatOneOffCallsGive) {
   for (const SceneData& data : some_scenes()) {
     SCOPED_TRACE(data.name);
-    const Scene scene = scenes::build(data);
-    Engine engine(scene);
-    EXPECT_EQ(engine.add_light(data.light), 0u);
-    EXPECT_EQ(engine.add_light(Light::directional({0.25, 0.5, -1})), 1u);
+    Scene scene = scenes::build(data);
+    scene.add(Light::directional({0.25, 0.5, -1}));
+    Options options;
+    options.edits = false;
+    Engine engine(scene, options);
+    engine.update();
     ASSERT_EQ(engine.light_count(), 2u);
     EXPECT_EQ(check_identical(engine.shadows(0), cast_shadows(scene, data.light)), "");
     EXPECT_EQ(check_identical(engine.shadows(1), cast_shadows(scene, Light::directional({0.25, 0.5, -1}))), "");
@@ -204,11 +206,12 @@ TEST(Invariance, CombinedLightsKeepTheirRegions) {
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
       const SceneData data = random_scene(kind, 200 + seed);
       SCOPED_TRACE(data.name);
-      const Scene scene = scenes::build(data);
+      Scene scene = scenes::build(data);
       scenes::Random random(seed);
       std::vector<Light> lights{data.light, random_light(kind, random), random_light(kind, random)};
+      scene.replace_lights(lights);
       Engine engine(scene);
-      for (const Light& light : lights) engine.add_light(light);
+      engine.update();
       const LightSets sets = engine.combined();
       std::vector<double> whole(scene.faces().size());
       for (const auto& f : sets.fragments) whole[f.face] += polygon_area(sets.corners_of(f));
@@ -229,8 +232,9 @@ TEST(Invariance, CombinedTakesMoreLightsThanAWordHasBits) {
   Scene scene;
   scene.add(scenes::rectangle({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}), {});
   scene.add(scenes::rectangle({-0.1, -0.1, 1}, {0.2, 0, 0}, {0, 0.2, 0}), {});
+  for (int k = 0; k < 70; ++k) scene.add(Light::point({-2 + 0.06 * k, 0.01 * k, 2 + 0.003 * k}));
   Engine engine(scene);
-  for (int k = 0; k < 70; ++k) engine.add_light(Light::point({-2 + 0.06 * k, 0.01 * k, 2 + 0.003 * k}));
+  engine.update();
   const LightSets sets = engine.combined();
   EXPECT_EQ(sets.words, 2u);
   for (std::size_t k = 0; k < 70; ++k) {

@@ -17,7 +17,7 @@ using scenes::rectangle;
 std::uint32_t add(Scene& scene, const Mesh& mesh, Sides sides = Sides::automatic) {
   ObjectSettings settings;
   settings.sides = sides;
-  const std::uint32_t object = scene.add(mesh, settings);
+  const std::uint32_t object = scene.add(mesh, settings).index;
   return scene.objects()[object].first_face;
 }
 

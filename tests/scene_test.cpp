@@ -559,8 +559,8 @@ TEST(Lights, GoodOnesAreKept) {
   light.name = "lamp";
   light.range = 4;
   light.spot = Light::Spot{{0, 0, -2}, 3.141592653589793};
-  EXPECT_EQ(scene.add(light), 0u);
-  EXPECT_EQ(scene.add(Light::directional({0, 0, -1e-300})), 1u);
+  EXPECT_EQ(scene.add(light).index, 0u);
+  EXPECT_EQ(scene.add(Light::directional({0, 0, -1e-300})).index, 1u);
   ASSERT_EQ(scene.lights().size(), 2u);
   EXPECT_EQ(scene.lights()[0].name, "lamp");
 }

@@ -24,7 +24,7 @@ void expect_right(const Scene& scene, const Light& light, const Options& options
 struct Stage {
   Scene scene;
   std::uint32_t add(const Mesh& mesh, const ObjectSettings& settings = {}) {
-    const std::uint32_t object = scene.add(mesh, settings);
+    const std::uint32_t object = scene.add(mesh, settings).index;
     return scene.objects()[object].first_face;
   }
   std::uint32_t add(const Mesh& mesh, Sides sides) {

@@ -5,13 +5,16 @@
 // scene units squared. Angles are radians. All coordinates are double from here to the fragments.
 //
 // Errors: a face that cannot be used is refused, never silently: it is listed in Scene::issues()
-// and every other face of its object is kept. Misuse of the interface throws shadowcut::Error.
+// and every other face of its object is kept. Misuse of the interface throws shadowcut::Error. An id that no longer names anything, or
+// names something in another scene, is answered by a value (Edit), because it happens in the best of programs.
 // Thread safety: a const Scene may be read from any number of threads; changing it needs exclusion.
 #pragma once
 
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -56,6 +59,24 @@ class Mesh {
   std::vector<std::uint32_t> corners_;
   std::vector<std::size_t> loop_ends_;  // into corners_
   std::vector<std::size_t> face_ends_;  // into loop_ends_
+};
+
+// Names an object of one scene. The index is its place in Scene::objects(), and is used again after the object is removed; the generation
+// tells the two apart. A copy of a scene knows the ids of the original.
+struct ObjectId {
+  std::uint32_t index = 0xFFFFFFFFu, generation = 0, scene = 0;
+  friend bool operator==(const ObjectId&, const ObjectId&) = default;
+};
+struct LightId {  // likewise, of Scene::lights()
+  std::uint32_t index = 0xFFFFFFFFu, generation = 0, scene = 0;
+  friend bool operator==(const LightId&, const LightId&) = default;
+};
+
+// What became of an edit.
+enum class Edit : std::uint8_t {
+  done,
+  stale,    // nothing was done: what the id named has been removed
+  foreign,  // nothing was done: the id is of another scene, or of none
 };
 
 struct ObjectSettings {
@@ -156,20 +177,53 @@ struct Object {
   std::uint32_t first_face, face_count;
   std::uint32_t first_vertex, vertex_count;  // distinct positions of this object
   double signed_volume;                      // positive for a solid with its faces outward
+  Pose pose = Pose::Identity();
+  std::uint32_t first_facet = 0, facet_count = 0, first_edge = 0, edge_count = 0;
+  bool alive = true;  // false: removed; its counts are 0, and its index waits for the next object
 };
 
+// Removing an object leaves holes in the arrays below, and later objects may fill them: a face there that is no object's has `object`
+// none and no facets, a facet that is no face's has no corners. Nothing else ever moves: an object's indices stay as long as it lives,
+// unless its mesh changes so that it needs more room.
 class Scene {
  public:
+  Scene();
+  Scene(const Scene&) = default;  // knows the ids of the original
+  Scene& operator=(const Scene&) = default;
+  Scene(Scene&&) = default;
+  Scene& operator=(Scene&&) = default;
+
   // The largest distance of a corner from its face's plane, as a share of the face's diameter, at which the face still counts as flat.
   // Set before objects are added.
   double flatness_tolerance = 1e-6;
 
   // Adds an object: welds equal positions, checks every face, cuts concave faces into convex facets, decides its sides.
-  // Returns its index. Cost: O(corners log corners), quadratic only in the corners of a single concave outline.
+  // Cost: O(corners log corners), quadratic only in the corners of a single concave outline.
   // Throws Error when the pose is not finite and invertible, or when the scene exceeds 2^29 edges.
-  std::uint32_t add(const Mesh& mesh, const ObjectSettings& settings);
-  // Throws Error as check() does.
-  std::uint32_t add(const Light& light);
+  ObjectId add(const Mesh& mesh, const ObjectSettings& settings);
+  [[nodiscard]] Edit remove(ObjectId id);
+  // Moves an object. Cost: in proportion to its corners; a pose that is not the old one moved rigidly, or an object with concave faces,
+  // goes through all of add()'s checks again. Throws Error, and changes nothing, when the pose is not finite and invertible.
+  [[nodiscard]] Edit set_pose(ObjectId id, const Pose& pose);
+  // Deforms an object: its mesh's vertices, in the local frame. Throws Error, and changes nothing, when it has another number of them. What
+  // was decided automatically (closed or open, flat or not) is decided again.
+  [[nodiscard]] Edit set_vertices(ObjectId id, std::span<const Vec3> local);
+  [[nodiscard]] Edit set_casts(ObjectId id, bool casts);
+  [[nodiscard]] Edit set_receives(ObjectId id, bool receives);
+
+  // Throws Error as check() does, and then changes nothing.
+  LightId add(const Light& light);
+  [[nodiscard]] Edit remove(LightId id);
+  [[nodiscard]] Edit set_light(LightId id, const Light& light);
+  // Removes all lights and adds these, at indices 0, 1, ... Throws Error as check() does, and then changes nothing.
+  void replace_lights(std::span<const Light> lights);
+
+  // Null when the id does not name anything here. The pointer lives until the scene changes.
+  const Object* find(ObjectId id) const;
+  const Light* find(LightId id) const;
+  // The id of what stands at an index; one that names nothing when the index is free.
+  ObjectId object_id(std::size_t index) const;
+  LightId light_id(std::size_t index) const;
 
   std::span<const Object> objects() const { return objects_; }
   std::span<const Light> lights() const { return lights_; }
@@ -183,7 +237,52 @@ class Scene {
 
   std::span<const Corner> corners_of(const Facet& f) const { return std::span(corners_).subspan(f.first_corner, f.corner_count); }
 
+  // For engines, which follow a scene: how often it has been changed; and the objects changed after a given revision, the one changed
+  // longest ago first. Cost: in proportion to those.
+  std::uint64_t revision() const { return revision_; }
+  std::vector<std::uint32_t> changed_since(std::uint64_t revision) const;
+  std::uint64_t object_revision(std::size_t index) const { return slots_[index].revision; }
+  std::uint64_t light_revision(std::size_t index) const { return light_slots_[index].revision; }
+  // For engines: makes these objects what they are in the other scene, at the same indices everywhere. Between them they must hold all the
+  // room that they take up there (room_taken_by).
+  void copy_objects(const Scene& from, std::span<const std::uint32_t> indices);
+  // The object of this scene that lives in the room in which the object lives in the other scene; none if that is free here.
+  std::uint32_t room_taken_by(const Scene& other, std::uint32_t index) const;
+
  private:
+  struct Source;  // an object as it was given
+  struct Room {   // a stretch of every array, given to one object at a time
+    std::uint32_t first[6], count[6];
+    std::uint32_t owner;  // index of an object, or none
+  };
+  struct Slot {  // what is private of an object
+    std::uint32_t generation = 0;
+    std::uint32_t room = none;
+    std::uint64_t revision = 0;
+    std::uint32_t older = none, newer = none;  // the objects in the order of their last change
+    std::shared_ptr<const Source> source;
+  };
+  struct LightSlot {
+    std::uint32_t generation = 0;
+    bool alive = false;
+    std::uint64_t revision = 0;
+  };
+
+  template <class Id, class Slots, class Alive>
+  Edit locate(Id id, const Slots& slots, const Alive& alive) const;
+  Edit locate(ObjectId id) const;
+  Edit locate(LightId id) const;
+  void admit(std::uint32_t index, std::shared_ptr<const Source> source, const ObjectSettings& settings);
+  void take_room(std::uint32_t index, const std::uint32_t (&counts)[6]);
+  void clear_room(std::uint32_t index);
+  void reserve_room(const std::uint32_t (&counts)[6]);
+  void grow_to(const Room& room);
+  void touch(std::uint32_t index);
+  void set_settings(std::uint32_t index, bool casts, bool receives);
+
+  std::uint32_t tag_;  // of this scene and its copies
+  std::uint64_t revision_ = 0;
+  std::uint32_t newest_ = none;  // the object changed last
   std::vector<Object> objects_;
   std::vector<Light> lights_;
   std::vector<Face> faces_;
@@ -193,6 +292,11 @@ class Scene {
   std::vector<Edge> edges_;
   std::vector<Plane> planes_;
   std::vector<Issue> issues_;
+  std::vector<Slot> slots_;  // by object
+  std::vector<LightSlot> light_slots_;
+  std::vector<std::uint32_t> free_objects_, free_lights_;
+  std::vector<Room> rooms_;
+  std::multimap<std::uint32_t, std::uint32_t> free_rooms_;  // by their number of corners
 };
 
 }  // namespace shadowcut

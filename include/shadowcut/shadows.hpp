@@ -11,6 +11,7 @@
 // Thread safety: functions here use up to Options::threads threads of their own; a const result may be read from any thread.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -43,8 +44,13 @@ struct Options {
   Form form = Form::merged;
   Order order = Order::solid_angle;
   std::uint64_t seed = 0;
-  unsigned threads = 0;                  // 0: one for each processor, which is also the most; the result does not depend on it
-  std::uint32_t facets_per_cell = 128;   // the balanced prefix stops dividing light space at about this many; 0: no prefix
+  unsigned threads = 0;                 // 0: one for each processor, which is also the most; the result does not depend on it
+  std::uint32_t facets_per_cell = 128;  // the balanced prefix stops dividing light space at about this many; 0: no prefix
+  // For Engine only.
+  bool edits = true;  // keep what updates need. Without it an engine takes less memory, merges a little better, and builds anew on any edit
+  // A plane left behind by a removed face, with something on both sides, goes if the smaller side has no more nodes than this: that side
+  // is then inserted into the other. Otherwise it stays, as a plain dividing plane, until a later edit makes a side small.
+  std::uint32_t join_threshold = 16;
   std::function<void(double)> progress;  // called now and then, from any thread but one at a time, with the share of the work done, 0 to 1
 };
 
@@ -70,7 +76,7 @@ struct Fragment {
 // Fragments come in blocks (one for each cell of the balanced prefix, and one for the faces that never enter the tree), so that an
 // update can replace one block and leave the others. The order is the same for any number of threads.
 struct Block {
-  std::vector<Fragment> fragments;
+  std::vector<Fragment> fragments;  // in no order that an update would keep
   // World frame; counter-clockwise seen from the light (for faces turned away: seen from their front). A corner that is a vertex of the
   // scene is that vertex, to the bit; a corner on a cut is the same numbers on both sides of the cut where two lines, or the edges of one
   // vertex, make it. Where more lines happen to meet in one point its last bits may depend on the side; the conforming form makes them one.
@@ -103,14 +109,43 @@ struct Stats {
   std::uint64_t predicates = 0, on = 0;                                        // signs asked for; and those within the bound of zero
   std::uint64_t depth = 0;                                                     // of the deepest leaf, prefix included
   std::uint64_t bytes = 0;                                                     // held by the tree and the fragments
-  double build_ms = 0, emit_ms = 0;                                            // steady clock
+  double build_ms = 0, emit_ms = 0;                                            // steady clock; of the last build, not of updates
+  // Of edits. Now: planes left behind, and the longest location list of an object (CS95, section 3: the pieces that it lies in).
+  std::uint64_t marked_nodes = 0, longest_location_list = 0;
+  std::uint64_t joined = 0,
+                deferred = 0;  // since the build: planes removed by joining their sides; and left in place because of their size
 };
 
 // The shadows of one light.
 struct Shadows {
-  std::vector<Block> blocks;
+  std::vector<Block> blocks;    // by FragmentId::cell
   std::vector<FaceArea> areas;  // by index into Scene::faces()
   Stats stats;
+};
+
+// What an update did to one light's shadows.
+struct LightChanges {
+  struct Added {
+    FragmentId id;
+    std::uint32_t index;  // into Shadows::blocks[id.cell].fragments
+  };
+  struct Area {
+    std::uint32_t face;  // index into Engine::scene().faces(); the face of a removed object has become `refused`
+    FaceArea area;
+  };
+  std::uint32_t light = 0;  // index into Scene::lights()
+  bool rebuilt = false;     // its tree is a new one: the light was added or moved, or an object left the region its numbers are good for
+  bool removed = false;     // the light is gone, with all its fragments
+  std::vector<FragmentId> gone;
+  std::vector<Added> added;  // may use ids that are in `gone`: apply `gone` first
+  std::vector<Area> areas;   // of faces whose facing or areas are not what they were
+};
+
+struct Changes {
+  std::vector<LightChanges> lights;  // those whose shadows changed, in the order of their indices
+  std::uint32_t applied = 0;         // objects and lights brought up to date
+  bool complete = true;              // false: the budget ran out, and some objects still stand as they stood before
+  double ms = 0;                     // steady clock
 };
 
 // The shadows of several lights at once: fragments cut so finely that each is wholly lit or shadowed by every light.
@@ -132,20 +167,44 @@ struct LightSets {
 // Throws Error when the light is not usable (see check()), and std::bad_alloc when memory runs out.
 Shadows cast_shadows(const Scene& scene, const Light& light, const Options& options = {});
 
-// The engine that remembers: one tree for each light of the scene. The scene must outlive it and stay unchanged.
+// The engine that remembers: one tree for each light of a scene, kept right while the scene is edited. The scene must outlive it, and must
+// not change during a call.
+//
+//   Scene scene = ...;  Engine engine(scene);  engine.update();          // the first update builds
+//   scene.set_pose(desk, pose);  const Changes& c = engine.update();     // what changed, and nothing else
+//
+// Indices of faces, facets, objects in everything it hands out are those of scene(): the engine's own copy, which is what the shadows are
+// of. After a complete update it is equal to the scene followed.
+//
+// Views (spans and references to Shadows, Changes, scene()) live until the next call of a member that is not const. After std::bad_alloc
+// from update() or compact() nothing is answered wrongly: every member but compact() and the destructor throws Error until compact() has
+// built everything anew.
 class Engine {
  public:
-  Engine(const Scene& scene, Options options = {});
+  explicit Engine(const Scene& scene, Options options = {});
   ~Engine();
   Engine(Engine&&) noexcept;
   Engine& operator=(Engine&&) noexcept;
 
-  // Adds a light's tree: built now, on Options::threads threads. Returns the light's number.
-  std::size_t add_light(const Light& light);
-  std::size_t light_count() const;
-  const Shadows& shadows(std::size_t light) const;  // lives until the engine changes
+  // Applies all edits since the last update. Cost: of a moved object, the nodes and fragments that it touches (CS95, sections 3 and 4); of
+  // a moved light, a build. Form::conforming costs a comparison of all fragments besides.
+  // Throws std::bad_alloc when memory runs out.
+  const Changes& update();
+  // The same, but stops between objects once the time is up; at least one object is brought up to date in each call. What
+  // has been applied is a correct scene, in which some objects stand as they stood before; the next call goes on.
+  const Changes& update(std::chrono::nanoseconds budget);
 
-  // One partition for all lights so far (CS95, section 4: a second light's input is the first one's output).
+  // Builds every tree anew, with a fresh prefix and order: for a scene that has changed beyond recognition. Everything is gone and added.
+  const Changes& compact();
+
+  const Scene& scene() const;
+  std::size_t light_count() const;  // of scene().lights(), removed ones included
+  // Throws Error when there is no such light, or it has been removed.
+  const Shadows& shadows(std::size_t light) const;
+  // Null when there is no such fragment (now). Cost: constant with Options::edits, otherwise in proportion to its block.
+  const Fragment* find(std::size_t light, FragmentId id) const;
+
+  // One partition for all lights (CS95, section 4: a second light's input is the first one's output).
   LightSets combined() const;
 
   // Checks every invariant of every tree. Returns an empty string, or a sentence that says which one does not hold. For tests: it takes

@@ -77,16 +77,12 @@ Scene read(const CastArguments& a) {
   return scene;
 }
 
-Engine build(const Scene& scene, const std::vector<NamedLight>& lights, const CastArguments& a) {
-  ProgressBar bar(!a.quiet);
-  std::size_t done = 0;
+Engine build(const Scene& scene, const CastArguments& a, ProgressBar& bar) {
   Options options = a.options;
-  options.progress = [&](double share) { bar.show((static_cast<double>(done) + share) / static_cast<double>(lights.size())); };
+  options.edits = false;
+  options.progress = [&](double share) { bar.show(share); };
   Engine engine(scene, options);
-  for (const NamedLight& light : lights) {
-    engine.add_light(light.light);
-    ++done;
-  }
+  engine.update();
   return engine;
 }
 
@@ -181,11 +177,15 @@ void cast(const CastArguments& arguments) {
   std::vector<NamedLight> lights = given_lights(a);
 
   const Clock::time_point start = Clock::now();
-  const Scene scene = read(a);
+  Scene scene = read(a);
   const double load_ms = milliseconds_since(start);
   if (lights.empty()) lights = lights_of(scene, a);
   const std::vector<io::View> views = views_of(scene, lights, a);
-  const Engine engine = build(scene, lights, a);
+  std::vector<Light> plain;
+  for (const NamedLight& light : lights) plain.push_back(light.light);
+  scene.replace_lights(plain);
+  ProgressBar bar(!a.quiet);
+  const Engine engine = build(scene, a, bar);
 
   Outputs outputs;
   for (std::size_t i = 0; i < a.outputs.size(); ++i)

@@ -23,6 +23,7 @@ double ms_since(Clock::time_point start) { return std::chrono::duration<double, 
 Eigen::AlignedBox3d box_of(const Scene& scene) {  // of what the light has to do with
   Eigen::AlignedBox3d box;
   for (const Facet& facet : scene.facets()) {
+    if (facet.corner_count == 0) continue;
     const Object& object = scene.objects()[scene.faces()[facet.face].object];
     if (!object.casts && !object.receives) continue;
     for (const Corner& c : scene.corners_of(facet)) box.extend(scene.vertices()[c.vertex]);
@@ -61,20 +62,31 @@ void parallel(std::size_t count, std::size_t grain, const Body& body) {
 }  // namespace
 
 LightTree::LightTree(const Scene& scene, const Light& light, const Options& options)
-    : scene_(scene), light_(light), space_(light, box_of(scene)) {
+    : scene_(scene), options_(options), light_(light), space_(light, box_of(scene)) {
+  build_all();
+}
+
+void LightTree::rebuild(const Light& light) {
+  light_ = light;
+  space_ = LightSpace(light, box_of(scene_));
+  shadows_ = {};
+  build_all();
+}
+
+void LightTree::build_all() {
   const auto start = Clock::now();
-  tables_.facets = scene.facets();
-  tables_.objects = scene.objects();
-  tables_.faces = scene.faces();
+  tables_.facets = scene_.facets();
+  tables_.objects = scene_.objects();
+  tables_.faces = scene_.faces();
   face_the_light();
   fill_tables();
   std::vector<Vec3> centers;
-  const std::vector<std::uint32_t> order = insertion_order(options, centers);
-  prefix_ = std::make_unique<Prefix>(std::move(centers), space_.far(), options.facets_per_cell, tables_.lines);
-  build(order, options);
+  const std::vector<std::uint32_t> order = insertion_order(centers);
+  prefix_ = std::make_unique<Prefix>(std::move(centers), space_.far(), options_.facets_per_cell, tables_.lines);
+  build(order);
   shadows_.stats.build_ms = ms_since(start);
   const auto built = Clock::now();
-  emit(options);
+  emit();
   sum_up();
   shadows_.stats.emit_ms = ms_since(built);
 }
@@ -105,6 +117,7 @@ void LightTree::face_the_light() {
   }
   parallel(facets.size(), 1024, [&](std::size_t i) {
     const Facet& facet = facets[i];
+    if (facet.corner_count == 0) return;  // nobody's
     const std::uint32_t o = scene_.faces()[facet.face].object;
     const Object& object = scene_.objects()[o];
     turned_[i] = space_.turned(scene_.planes()[facet.plane]);
@@ -151,7 +164,7 @@ void LightTree::fill_tables() {
 }
 
 // The facets that enter, in the order of insertion; and each one's middle ray.
-std::vector<std::uint32_t> LightTree::insertion_order(const Options& options, std::vector<Vec3>& centers) const {
+std::vector<std::uint32_t> LightTree::insertion_order(std::vector<Vec3>& centers) const {
   const auto facets = scene_.facets();
   struct Key {
     std::uint64_t group;  // objects that cast and stay, that move, and those that do not cast: in this order
@@ -161,7 +174,7 @@ std::vector<std::uint32_t> LightTree::insertion_order(const Options& options, st
   };
   std::vector<double> sizes(facets.size(), 0.0);
   parallel(facets.size(), 1024, [&](std::size_t i) {
-    if (!enters_[i] || options.order != Order::solid_angle) return;
+    if (!enters_[i] || options_.order != Order::solid_angle) return;
     const auto corners = scene_.corners_of(facets[i]);
     const auto ray = [&](std::size_t k) { return Vec3(tables_.rays[corners[k].vertex].r); };
     Vec3 sum = Vec3::Zero();
@@ -176,7 +189,7 @@ std::vector<std::uint32_t> LightTree::insertion_order(const Options& options, st
     for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
       for (std::uint32_t k = 0; k < scene_.faces()[f].facet_count; ++k) size += sizes[scene_.faces()[f].first_facet + k];
     }
-    objects.push_back({object.casts ? (object.moves && options.order == Order::solid_angle ? 1u : 0u) : 2u, size, o});
+    objects.push_back({object.casts ? (object.moves && options_.order == Order::solid_angle ? 1u : 0u) : 2u, size, o});
   }
   std::sort(objects.begin(), objects.end());
   std::vector<std::uint32_t> order;
@@ -193,16 +206,16 @@ std::vector<std::uint32_t> LightTree::insertion_order(const Options& options, st
     std::sort(keys.begin(), keys.end());
     for (const Key& k : keys) order.push_back(k.id);
   }
-  if (options.order == Order::random) {
+  if (options_.order == Order::random) {
     std::vector<Key> shuffled;
     for (const std::uint32_t i : order) {
       const bool casts = tables_.casts(i);
-      shuffled.push_back({mix(options.seed * 0x9E3779B97F4A7C15ull + i) >> 1 | (casts ? 0 : std::uint64_t{1} << 63), 0, i});
+      shuffled.push_back({mix(options_.seed * 0x9E3779B97F4A7C15ull + i) >> 1 | (casts ? 0 : std::uint64_t{1} << 63), 0, i});
     }
     std::sort(shuffled.begin(), shuffled.end());
     std::transform(shuffled.begin(), shuffled.end(), order.begin(), [](const Key& k) { return k.id; });
   }
-  centers.resize(options.facets_per_cell ? order.size() : 0);
+  centers.resize(options_.facets_per_cell ? order.size() : 0);
   parallel(centers.size(), 1024, [&](std::size_t i) {
     Vec3 sum = Vec3::Zero();
     for (const Corner& c : scene_.corners_of(facets[order[i]])) sum += Vec3(tables_.rays[c.vertex].r);
@@ -231,7 +244,7 @@ Cone* LightTree::cone_of_facet(std::uint32_t facet, ConePool& pool) const {
 
 // Facets are filtered through the prefix in chunks of a fixed size, then every cell's tree is built from its parts in the order of
 // insertion: whatever the number of threads, a cell sees the same parts in the same order.
-void LightTree::build(const std::vector<std::uint32_t>& order, const Options& options) {
+void LightTree::build(const std::vector<std::uint32_t>& order) {
   constexpr std::size_t chunk_size = 2048;
   struct Part {
     std::uint32_t cell;
@@ -283,7 +296,7 @@ void LightTree::build(const std::vector<std::uint32_t>& order, const Options& op
       for (std::uint32_t i = 0; i < chunks[c].parts.size(); ++i) refs[fill[chunks[c].parts[i].cell]++] = {c, i};
     }
   }
-  Progress progress(options.progress, 0, 0.8, std::max(order.size(), refs.size()));
+  Progress progress(options_.progress, 0, 0.8, std::max(order.size(), refs.size()));
   parallel(cell_count, 1, [&](std::size_t cell) {
     Workspace& w = workspaces.local();
     CellTree& tree = cells_[cell];
@@ -315,21 +328,21 @@ void LightTree::build(const std::vector<std::uint32_t>& order, const Options& op
   for (std::size_t c = cells_.size(); c-- > 0;) cells_[c].link_locations(static_cast<std::uint32_t>(c), locations_);
 }
 
-void LightTree::emit(const Options& options) {
-  const bool conforming = options.form == Form::conforming;
+void LightTree::emit() {
+  const bool conforming = options_.form == Form::conforming;
   const EmitTarget target{scene_, space_, tables_, conforming};
   std::vector<CellOutput> outputs(cells_.size() + 1);
   tbb::enumerable_thread_specific<Workspace> workspaces;
-  Progress progress(options.progress, 0.8, 1, cells_.size());
+  Progress progress(options_.progress, 0.8, 1, cells_.size());
   parallel(cells_.size(), 1, [&](std::size_t cell) {
-    emit_cell(cells_[cell], static_cast<std::uint32_t>(cell), options.form != Form::pieces, target, workspaces.local(), outputs[cell]);
+    emit_cell(cells_[cell], static_cast<std::uint32_t>(cell), options_.form != Form::pieces, target, workspaces.local(), outputs[cell]);
     progress.step();
   });
   // Sides turned away never entered: one shadowed fragment a facet, in a block of their own.
   CellOutput& away = outputs.back();
   for (std::uint32_t i = 0; i < scene_.facets().size(); ++i) {
-    if (facing_[i] != Facing::away && facing_[i] != Facing::out_of_reach) continue;
     const Facet& facet = scene_.facets()[i];
+    if (facet.corner_count == 0 || (facing_[i] != Facing::away && facing_[i] != Facing::out_of_reach)) continue;
     const auto first = static_cast<std::uint32_t>(away.block.corners.size());
     for (const Corner& c : scene_.corners_of(facet)) {
       away.block.corners.push_back(scene_.vertices()[c.vertex]);
@@ -351,8 +364,10 @@ void LightTree::emit(const Options& options) {
 void LightTree::sum_up() {
   Stats& s = shadows_.stats;
   auto& areas = shadows_.areas;
-  for (std::size_t i = 0; i < facing_.size(); ++i)
+  for (std::size_t i = 0; i < facing_.size(); ++i) {
+    if (scene_.facets()[i].corner_count == 0) continue;
     areas[scene_.facets()[i].face].facing = std::max(areas[scene_.facets()[i].face].facing, facing_[i]);
+  }
   for (std::size_t f = 0; f < areas.size(); ++f) {
     if (areas[f].facing == Facing::ignored) areas[f].area = scene_.faces()[f].area;
   }
@@ -365,7 +380,7 @@ void LightTree::sum_up() {
   // A face's area is not taken from its fragments, so that their sum can be held against it.
   const EmitTarget target{scene_, space_, tables_, false};
   for (std::uint32_t i = 0; i < facing_.size(); ++i) {
-    if (facing_[i] == Facing::ignored) continue;
+    if (facing_[i] == Facing::ignored || scene_.facets()[i].corner_count == 0) continue;
     areas[scene_.facets()[i].face].area += area_of_facet(target, i, facing_[i] == Facing::toward);
   }
   for (const FaceArea& a : areas) {

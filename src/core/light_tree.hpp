@@ -13,9 +13,11 @@ namespace shadowcut {
 class LightTree {
  public:
   LightTree(const Scene& scene, const Light& light, const Options& options);
+  // Builds everything anew, for a light that may be another one; uses its memory again.
+  void rebuild(const Light& light);
 
   const Shadows& shadows() const { return shadows_; }
-  Shadows take_shadows() { return std::move(shadows_); }
+  Shadows take_shadows() { return std::exchange(shadows_, {}); }
   const LightSpace& space() const { return space_; }
   const LightTables& tables() const { return tables_; }
   const Prefix& prefix() const { return *prefix_; }
@@ -29,15 +31,17 @@ class LightTree {
   bool front_lit(std::uint32_t facet) const { return turned_[facet] == Turned::toward; }
 
  private:
+  void build_all();
   void face_the_light();
   void fill_tables();
-  std::vector<std::uint32_t> insertion_order(const Options& options, std::vector<Vec3>& centers) const;
+  std::vector<std::uint32_t> insertion_order(std::vector<Vec3>& centers) const;
   Cone* cone_of_facet(std::uint32_t facet, ConePool& pool) const;
-  void build(const std::vector<std::uint32_t>& order, const Options& options);
-  void emit(const Options& options);
+  void build(const std::vector<std::uint32_t>& order);
+  void emit();
   void sum_up();
 
   const Scene& scene_;
+  Options options_;
   Light light_;
   LightSpace space_;
   LightTables tables_;

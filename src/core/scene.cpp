@@ -1,15 +1,14 @@
-// The door: everything that enters a scene is welded, checked and cut into convex facets here, once.
+// Scene: what has passed the door, in flat arrays, and the edits that change it.
+//
+// Every object has its *room*: a stretch of each array. A removed object's room is given to a later one that fits. Objects stand in a list
+// by their last change, so that an engine finds what is new in time proportional to that.
 
-#include <Eigen/LU>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <cstring>
 #include <numbers>
-#include <numeric>
-#include <shadowcut/scene.hpp>
 
-#include "convex.hpp"
-#include "id_table.hpp"
+#include "door.hpp"
 
 namespace shadowcut {
 
@@ -58,379 +57,6 @@ const char* describe(Reason reason) {
 
 bool refuses(Reason reason) { return reason != Reason::repeated_corner && reason != Reason::not_flat; }
 
-namespace {
-
-constexpr std::size_t max_edges = std::size_t{1} << 29;  // an edge's line id leaves room for its flags in 32 bits
-constexpr double unit_roundoff = std::numeric_limits<double>::epsilon() / 2;
-
-std::uint64_t hash_position(const Vec3& v) {
-  std::uint64_t bits[3];
-  std::memcpy(bits, v.data(), sizeof bits);
-  return mix(bits[0] + mix(bits[1] + mix(bits[2])));
-}
-
-// The plane through a loop's first corner with Newell's normal. The arithmetic is on differences from that corner, scaled to size one, so
-// that neither a far-away face nor a huge or tiny one loses digits.
-struct Fit {
-  Plane plane;
-  double area = 0;      // of the whole figure, holes taken off
-  double diameter = 0;  // of its bounding box
-  bool zero = true;     // no area that rounding could not have made
-};
-
-class Door {
- public:
-  Door(const Mesh& mesh, const Pose& pose, double tolerance) : mesh_(mesh), tolerance_(tolerance) {
-    mirrored_ = pose.linear().determinant() < 0;
-    weld(pose);
-  }
-
-  std::vector<Vec3> vertices;  // welded, world frame
-  std::vector<Plane> planes;
-  std::vector<Facet> facets;    // plane and corners relative to this object
-  std::vector<Corner> corners;  // edge relative to this object
-  std::vector<Edge> edges;
-  std::vector<Face> faces;
-  std::vector<Issue> issues;
-  bool closed = true;
-  double signed_volume = 0;
-
-  void run() {
-    IdTable edge_ids(mesh_.face_count() * 2);
-    IdTable known(mesh_.face_count());
-    std::vector<std::uint64_t> hashes;                   // by kept outline
-    std::vector<std::uint32_t> outline_begin{0}, cycle;  // kept outlines, each turned to begin with its smallest corner
-    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
-      Face face{0, f, static_cast<std::uint32_t>(facets.size()), 0, 0.0};
-      if (take_loops(f)) {
-        const std::size_t begin = cycle.size();
-        for (const Loop& l : loops_) {
-          const auto smallest = std::min_element(l.begin(), l.end()) - l.begin();
-          for (std::size_t i = 0; i < l.size(); ++i) cycle.push_back(l[(static_cast<std::size_t>(smallest) + i) % l.size()]);
-        }
-        std::uint64_t hash = loops_.size();
-        for (std::size_t i = begin; i < cycle.size(); ++i) hash = mix(hash + cycle[i]);
-        const auto next = static_cast<std::uint32_t>(hashes.size());
-        const auto same = [&](std::uint32_t id) {
-          return std::equal(cycle.begin() + outline_begin[id], cycle.begin() + outline_begin[id + 1],
-                            cycle.begin() + static_cast<std::ptrdiff_t>(begin), cycle.end());
-        };
-        if (known.find_or_add(hash, next, same, [&](std::uint32_t id) { return hashes[id]; }) != next) {
-          report(f, Reason::duplicate);
-          cycle.resize(begin);
-        } else {
-          hashes.push_back(hash);
-          outline_begin.push_back(static_cast<std::uint32_t>(cycle.size()));
-          cut(f, face, edge_ids);
-        }
-      }
-      faces.push_back(face);
-      if (face.facet_count) {
-        note_connectivity(edge_ids);
-      } else {
-        outline_face_.push_back(none);
-      }
-    }
-    decide_sides();
-  }
-
- private:
-  void weld(const Pose& pose) {
-    const std::size_t n = mesh_.vertices.size();
-    vertex_of_.resize(n);
-    IdTable table(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      Vec3 v = pose * mesh_.vertices[i];
-      v = v.unaryExpr([](double c) { return c == 0 ? 0.0 : c; });  // one zero
-      const auto next = static_cast<std::uint32_t>(vertices.size());
-      if (!v.allFinite()) {
-        vertex_of_[i] = none;
-        continue;
-      }
-      const auto id = table.find_or_add(
-          hash_position(v), next, [&](std::uint32_t j) { return vertices[j] == v; },
-          [&](std::uint32_t j) { return hash_position(vertices[j]); });
-      if (id == next) vertices.push_back(v);
-      vertex_of_[i] = id;
-    }
-  }
-
-  void report(std::uint32_t face, Reason reason, std::string detail = {}) { issues.push_back({0, face, reason, std::move(detail)}); }
-
-  // Fills loops_ with the face's welded loops. False: refused, and said so.
-  bool take_loops(std::uint32_t f) {
-    loops_.resize(mesh_.loop_count(f));
-    bool repeated = false;
-    for (std::size_t k = 0; k < loops_.size(); ++k) {
-      Loop& out = loops_[k];
-      out.clear();
-      for (const std::uint32_t i : mesh_.loop(f, k)) {
-        if (i >= vertex_of_.size()) return report(f, Reason::index_out_of_range, "index " + std::to_string(i)), false;
-        if (vertex_of_[i] == none) return report(f, Reason::non_finite), false;
-        if (!out.empty() && out.back() == vertex_of_[i]) {
-          repeated = true;
-        } else {
-          out.push_back(vertex_of_[i]);
-        }
-      }
-      while (out.size() > 1 && out.front() == out.back()) out.pop_back(), repeated = true;
-      Loop distinct = out;
-      std::sort(distinct.begin(), distinct.end());
-      if (std::unique(distinct.begin(), distinct.end()) - distinct.begin() < 3) return report(f, Reason::too_few_corners), false;
-      if (mirrored_) std::reverse(out.begin(), out.end());
-    }
-    if (loops_.empty()) return report(f, Reason::too_few_corners), false;
-    if (repeated) report(f, Reason::repeated_corner);
-    return true;
-  }
-
-  Fit fit(std::span<const Loop> loops) const {
-    Fit out;
-    const Vec3 origin = vertices[loops[0][0]];
-    Eigen::AlignedBox3d box;
-    for (const std::uint32_t v : loops[0]) box.extend(vertices[v]);
-    const double size = box.sizes().maxCoeff();
-    out.diameter = box.sizes().stableNorm();
-    if (!std::isfinite(size) || size == 0) return out;
-    Vec3 sum = Vec3::Zero();
-    double magnitude = 0;
-    for (std::size_t k = 0; k < loops.size(); ++k) {
-      Vec3 n = Vec3::Zero();
-      const Loop& l = loops[k];
-      const Vec3 first = (vertices[l[0]] - origin) / size;
-      for (std::size_t i = 1; i + 1 < l.size(); ++i) {
-        const Vec3 u = (vertices[l[i]] - origin) / size - first, v = (vertices[l[i + 1]] - origin) / size - first;
-        n += u.cross(v);
-        magnitude += u.norm() * v.norm();
-      }
-      // A hole takes its area off, whichever way it runs.
-      if (k > 0 && n.dot(sum) > 0) n = -n;
-      sum += n;
-    }
-    const double length = sum.norm();
-    // Every term of a cross product carries at most five roundings of its own and one for each addition behind it.
-    out.zero = length <= (8.0 + static_cast<double>(loops[0].size())) * unit_roundoff * magnitude;
-    if (out.zero) return out;
-    out.plane.normal = sum / length;
-    out.plane.point = origin;
-    out.plane.flatness = 0;
-    for (const Loop& l : loops) {
-      for (const std::uint32_t v : l)
-        out.plane.flatness = std::max(out.plane.flatness, std::abs(out.plane.normal.dot(vertices[v] - origin)));
-    }
-    out.area = length / 2 * size * size;
-    // Over the face's least width, which is no less than area / diameter.
-    out.plane.tilt = (out.plane.flatness + 8 * unit_roundoff * size) / size / (length / 2 / (out.diameter / size));
-    if (out.area == 0) out.zero = true;
-    return out;
-  }
-
-  // Cuts the figure in loops_ into facets of `face`.
-  void cut(std::uint32_t f, Face& face, IdTable& edge_ids) {
-    const Fit whole = fit(loops_);
-    if (!std::isfinite(whole.diameter) || !std::isfinite(whole.area))
-      return report(f, Reason::non_finite, "its extent is not representable");
-    if (whole.zero) return report(f, Reason::zero_area);
-
-    // Straight down the normal's largest component: those coordinates are the input's own, so every turn below is exact.
-    Eigen::Index drop;
-    whole.plane.normal.cwiseAbs().maxCoeff(&drop);
-    const Eigen::Index x = (drop + 1) % 3, y = (drop + 2) % 3;
-    const double handed = whole.plane.normal[drop] > 0 ? 1 : -1;
-    points_.clear();
-    std::vector<Loop> flat;
-    std::vector<std::uint32_t> back;
-    for (const Loop& l : loops_) {
-      flat.emplace_back();
-      for (const std::uint32_t v : l) {
-        flat.back().push_back(static_cast<std::uint32_t>(points_.size()));
-        points_.emplace_back(vertices[v][x] * handed, vertices[v][y]);
-        back.push_back(v);
-      }
-    }
-    const bool is_flat = whole.plane.flatness <= tolerance_ * whole.diameter;
-    for (const Loop& l : loops_) {  // out and back along one edge: nothing that a bridge to a hole would do
-      for (std::size_t i = 0; i < l.size(); ++i) {
-        if (l[i] == l[(i + 2) % l.size()]) return report(f, Reason::self_intersecting, "it turns back on itself");
-      }
-    }
-    std::vector<Loop> parts;
-    if (flat.size() == 1 && is_convex(points_, flat[0]) && (is_flat || flat[0].size() == 3)) {
-      parts = std::move(flat);
-    } else if (convex_parts(points_, std::move(flat), is_flat, parts) != ConvexResult::ok) {
-      return report(f, Reason::self_intersecting);
-    }
-    if (!is_flat && whole.plane.flatness > 0 && parts.size() > 1) {
-      char detail[80];
-      std::snprintf(detail, sizeof detail, "a corner lies %.3g off the plane, %.3g of the diameter", whole.plane.flatness,
-                    whole.plane.flatness / whole.diameter);
-      report(f, Reason::not_flat, detail);
-    }
-    if (is_flat) planes.push_back(whole.plane);
-    for (Loop& part : parts) {
-      for (std::uint32_t& i : part) i = back[i];
-      const Fit own = fit(std::span(&part, 1));
-      if (own.zero) continue;  // a sliver that only rounding sees: it has no area to be lit
-      if (!is_flat) planes.push_back(own.plane);
-      facets.push_back({0, static_cast<std::uint32_t>(planes.size() - 1), static_cast<std::uint32_t>(corners.size()),
-                        static_cast<std::uint32_t>(part.size())});
-      ++face.facet_count;
-      face.area += own.area;
-      for (std::size_t i = 0; i < part.size(); ++i) corners.push_back({part[i], edge_id(edge_ids, part[i], part[(i + 1) % part.size()])});
-    }
-    if (face.facet_count == 0) report(f, Reason::zero_area);
-  }
-
-  std::uint32_t edge_id(IdTable& table, std::uint32_t from, std::uint32_t to) {
-    const Edge e{std::min(from, to), std::max(from, to)};
-    const auto hash = [](const Edge& k) { return mix((std::uint64_t{k.a} << 32) | k.b); };
-    const auto next = static_cast<std::uint32_t>(edges.size());
-    const auto id = table.find_or_add(
-        hash(e), next, [&](std::uint32_t i) { return edges[i].a == e.a && edges[i].b == e.b; },
-        [&](std::uint32_t i) { return hash(edges[i]); });
-    if (id == next) edges.push_back(e);
-    return (id << 1) | (from > to ? 1u : 0u);
-  }
-
-  // The outline, not the facets, says what a face is joined to: cutting may have left out straight corners.
-  void note_connectivity(IdTable& edge_ids) {
-    outline_face_.push_back(static_cast<std::uint32_t>(outline_.size()));
-    for (const Loop& l : loops_) {
-      for (std::size_t i = 0; i < l.size(); ++i) outline_.push_back(edge_id(edge_ids, l[i], l[(i + 1) % l.size()]));
-    }
-  }
-
-  // Six times the volume of the cone from a point over a face, in units of size^3.
-  double sixfold_cone(const Face& face, const Vec3& from, double size) const {
-    double sixfold = 0;
-    for (std::uint32_t k = 0; k < face.facet_count; ++k) {
-      const Facet& facet = facets[face.first_facet + k];
-      const auto corner = [&](std::uint32_t i) { return ((vertices[corners[facet.first_corner + i].vertex] - from) / size).eval(); };
-      const Vec3 a = corner(0);
-      for (std::uint32_t i = 1; i + 1 < facet.corner_count; ++i) sixfold += a.dot(corner(i).cross(corner(i + 1)));
-    }
-    return sixfold;
-  }
-
-  void decide_sides() {
-    std::vector<std::uint32_t> forward(edges.size(), none), backward(edges.size(), none);
-    std::vector<std::uint32_t> part(faces.size());
-    std::iota(part.begin(), part.end(), 0u);
-    const auto find = [&](std::uint32_t i) {
-      while (part[i] != i) i = part[i] = part[part[i]];
-      return i;
-    };
-    bool any = false;
-    for (std::uint32_t f = 0; f < faces.size(); ++f) {
-      if (outline_face_[f] == none) continue;
-      any = true;
-      std::size_t end = outline_.size();
-      for (std::uint32_t g = f + 1; g < faces.size(); ++g) {
-        if (outline_face_[g] != none) {
-          end = outline_face_[g];
-          break;
-        }
-      }
-      for (std::size_t i = outline_face_[f]; i < end; ++i) {
-        auto& side = (outline_[i] & 1 ? backward : forward)[outline_[i] >> 1];
-        if (side != none) closed = false;
-        side = f;
-      }
-    }
-    for (std::size_t e = 0; e < edges.size(); ++e) {
-      if ((forward[e] == none) != (backward[e] == none)) closed = false;
-      if (forward[e] != none && backward[e] != none) part[find(forward[e])] = find(backward[e]);
-    }
-    // Every part's volume, seen from a corner of its own and in units of its own size: parts far apart or of very different size do not
-    // disturb each other.
-    std::vector<Eigen::AlignedBox3d> box(faces.size());
-    const auto corner_of = [&](const Face& face, std::uint32_t i) -> const Vec3& {
-      return vertices[corners[facets[face.first_facet].first_corner + i].vertex];
-    };
-    for (std::uint32_t f = 0; f < faces.size(); ++f) {
-      for (std::uint32_t k = 0; k < faces[f].facet_count; ++k) {
-        const Facet& facet = facets[faces[f].first_facet + k];
-        for (std::uint32_t i = 0; i < facet.corner_count; ++i) box[find(f)].extend(vertices[corners[facet.first_corner + i].vertex]);
-      }
-    }
-    std::vector<double> sixfold(faces.size(), 0.0);
-    for (std::uint32_t f = 0; f < faces.size(); ++f) {
-      const std::uint32_t root = find(f);
-      if (outline_face_[f] != none) sixfold[root] += sixfold_cone(faces[f], corner_of(faces[root], 0), box[root].sizes().maxCoeff());
-    }
-    for (std::uint32_t f = 0; f < faces.size(); ++f) {
-      if (outline_face_[f] == none || find(f) != f) continue;
-      const double size = box[f].sizes().maxCoeff();
-      signed_volume += sixfold[f] / 6 * size * size * size;
-      if (!(sixfold[f] > 0)) closed = false;
-    }
-    closed = closed && any;
-  }
-
-  const Mesh& mesh_;
-  double tolerance_;
-  bool mirrored_;
-  std::vector<std::uint32_t> vertex_of_;               // of the mesh -> welded; none: not finite
-  std::vector<Loop> loops_;                            // of the face at hand
-  std::vector<Vec2> points_;                           // of the face at hand, flattened
-  std::vector<std::uint32_t> outline_, outline_face_;  // directed edges of the kept outlines; where each face's begin
-};
-
-}  // namespace
-
-std::uint32_t Scene::add(const Mesh& mesh, const ObjectSettings& settings) {
-  if (!settings.pose.matrix().allFinite() || settings.pose.linear().determinant() == 0) {
-    throw Error("object '" + settings.name + "': its pose is not finite and invertible");
-  }
-  Door door(mesh, settings.pose, flatness_tolerance);
-  door.run();
-  if (edges_.size() + door.edges.size() > max_edges || corners_.size() + door.corners.size() >= none) {
-    throw Error("object '" + settings.name + "': the scene is larger than 2^29 edges");
-  }
-
-  const auto object = static_cast<std::uint32_t>(objects_.size());
-  const auto count = [](const auto& v) { return static_cast<std::uint32_t>(v.size()); };
-  const std::uint32_t vertex0 = count(vertices_), edge0 = count(edges_), plane0 = count(planes_), facet0 = count(facets_),
-                      face0 = count(faces_), corner0 = count(corners_);
-  // Memory first: an exception leaves the scene as it was.
-  const auto make_room = [](auto& v, std::size_t more) {
-    if (v.capacity() - v.size() < more) v.reserve(std::max(v.size() + more, 2 * v.capacity()));
-  };
-  make_room(objects_, 1);
-  make_room(vertices_, door.vertices.size());
-  make_room(planes_, door.planes.size());
-  make_room(edges_, door.edges.size());
-  make_room(corners_, door.corners.size());
-  make_room(facets_, door.facets.size());
-  make_room(faces_, door.faces.size());
-  make_room(issues_, door.issues.size());
-  Object entry{settings.name, settings.sides,    settings.casts, settings.receives,    settings.moves,
-               face0,         count(door.faces), vertex0,        count(door.vertices), door.signed_volume};
-  if (settings.sides == Sides::automatic) entry.sides = door.closed ? Sides::closed : Sides::open;
-  objects_.push_back(std::move(entry));
-  vertices_.insert(vertices_.end(), door.vertices.begin(), door.vertices.end());
-  planes_.insert(planes_.end(), door.planes.begin(), door.planes.end());
-  for (const Edge& e : door.edges) edges_.push_back({e.a + vertex0, e.b + vertex0});
-  for (const Corner& c : door.corners) corners_.push_back({c.vertex + vertex0, c.edge + (edge0 << 1)});
-  for (Face f : door.faces) {
-    f.object = object;
-    for (std::uint32_t k = 0; k < f.facet_count; ++k) {
-      Facet t = door.facets[f.first_facet + k];
-      t.face = count(faces_);
-      t.plane += plane0;
-      t.first_corner += corner0;
-      facets_.push_back(t);
-    }
-    f.first_facet += facet0;
-    faces_.push_back(f);
-  }
-  for (Issue i : door.issues) {
-    i.object = object;
-    issues_.push_back(std::move(i));
-  }
-  return object;
-}
-
 void check(const Light& light, const std::string& who) {
   if (!light.at.allFinite()) throw Error(who + ": a coordinate is not finite");
   if (light.kind == Light::Kind::directional && light.at.isZero(0)) throw Error(who + ": its direction is zero");
@@ -441,10 +67,384 @@ void check(const Light& light, const std::string& who) {
   }
 }
 
-std::uint32_t Scene::add(const Light& light) {
-  check(light, light.name.empty() ? "light " + std::to_string(lights_.size()) : "light '" + light.name + "'");
-  lights_.push_back(light);
-  return static_cast<std::uint32_t>(lights_.size() - 1);
+struct Scene::Source {
+  Mesh mesh;
+  Sides sides;                           // as asked for
+  std::vector<std::uint32_t> vertex_of;  // see Admitted
+};
+
+namespace {
+
+enum Array : std::size_t { vertex_array, edge_array, plane_array, facet_array, corner_array, face_array };
+
+std::uint32_t new_tag() {
+  static std::atomic<std::uint32_t> last{0};
+  return ++last;
+}
+
+template <class T>
+std::uint32_t count_of(const T& v) {
+  return static_cast<std::uint32_t>(v.size());
+}
+
+template <class T>
+void reserve_more(std::vector<T>& v, std::size_t more) {
+  if (v.capacity() - v.size() < more) v.reserve(std::max(v.size() + more, 2 * v.capacity()));
+}
+
+constexpr Facet no_facet{0, 0, 0, 0};
+constexpr Face no_face{none, 0, 0, 0, 0.0};
+
+void check_pose(const Pose& pose, const std::string& name) {
+  if (!pose.matrix().allFinite() || pose.linear().determinant() == 0)
+    throw Error("object '" + name + "': its pose is not finite and invertible");
+}
+
+}  // namespace
+
+Scene::Scene() : tag_(new_tag()) {}
+
+// Makes sure that a room of this size can be taken without an exception.
+void Scene::reserve_room(const std::uint32_t (&counts)[6]) {
+  if (edges_.size() + counts[edge_array] > max_edges || corners_.size() + counts[corner_array] >= none)
+    throw Error("the scene is larger than 2^29 edges");
+  reserve_more(vertices_, counts[vertex_array]);
+  reserve_more(edges_, counts[edge_array]);
+  reserve_more(planes_, counts[plane_array]);
+  reserve_more(facets_, counts[facet_array]);
+  reserve_more(corners_, counts[corner_array]);
+  reserve_more(faces_, counts[face_array]);
+  reserve_more(rooms_, 1);
+}
+
+void Scene::grow_to(const Room& room) {
+  const auto grow = [&room](auto& v, Array a, const auto& filler) {
+    const std::size_t end = std::size_t{room.first[a]} + room.count[a];
+    if (v.size() < end) v.resize(end, filler);
+  };
+  grow(vertices_, vertex_array, Vec3(Vec3::Zero()));
+  grow(edges_, edge_array, Edge{0, 0});
+  grow(planes_, plane_array, Plane{Vec3::Zero(), Vec3::Zero(), 0, 0});
+  grow(facets_, facet_array, no_facet);
+  grow(corners_, corner_array, Corner{0, 0});
+  grow(faces_, face_array, no_face);
+}
+
+// The smallest free room with enough of everything, or a new one at the end.
+void Scene::take_room(std::uint32_t index, const std::uint32_t (&counts)[6]) {
+  int tries = 16;
+  for (auto it = free_rooms_.lower_bound(counts[corner_array]); it != free_rooms_.end() && tries > 0; ++it, --tries) {
+    Room& room = rooms_[it->second];
+    if (!std::equal(counts, counts + 6, room.count, [](std::uint32_t want, std::uint32_t have) { return want <= have; })) continue;
+    room.owner = index;
+    slots_[index].room = it->second;
+    free_rooms_.erase(it);
+    return;
+  }
+  Room room{{count_of(vertices_), count_of(edges_), count_of(planes_), count_of(facets_), count_of(corners_), count_of(faces_)}, {}, index};
+  std::copy(counts, counts + 6, room.count);
+  slots_[index].room = count_of(rooms_);
+  rooms_.push_back(room);
+  grow_to(room);
+}
+
+// Takes an object's facets and faces out of the arrays; its room stays its own.
+void Scene::clear_room(std::uint32_t index) {
+  const Room& room = rooms_[slots_[index].room];
+  std::fill_n(facets_.begin() + room.first[facet_array], room.count[facet_array], no_facet);
+  std::fill_n(faces_.begin() + room.first[face_array], room.count[face_array], no_face);
+  std::erase_if(issues_, [index](const Issue& i) { return i.object == index; });
+}
+
+// Puts an object at the end of the list by last change.
+void Scene::touch(std::uint32_t index) {
+  Slot& slot = slots_[index];
+  slot.revision = ++revision_;
+  if (newest_ == index) return;
+  if (slot.older != none) slots_[slot.older].newer = slot.newer;
+  if (slot.newer != none) slots_[slot.newer].older = slot.older;
+  slot.older = newest_;
+  slot.newer = none;
+  if (newest_ != none) slots_[newest_].newer = index;
+  newest_ = index;
+}
+
+std::vector<std::uint32_t> Scene::changed_since(std::uint64_t revision) const {
+  std::vector<std::uint32_t> changed;
+  for (std::uint32_t i = newest_; i != none && slots_[i].revision > revision; i = slots_[i].older) changed.push_back(i);
+  std::reverse(changed.begin(), changed.end());
+  return changed;
+}
+
+// Puts an object through the door, into room that fits. An exception leaves the scene as it was.
+void Scene::admit(std::uint32_t index, std::shared_ptr<const Source> source, const ObjectSettings& settings) {
+  Admitted in = shadowcut::admit(source->mesh, settings.pose, flatness_tolerance);
+  const std::uint32_t counts[6] = {count_of(in.vertices), count_of(in.edges),   count_of(in.planes),
+                                   count_of(in.facets),   count_of(in.corners), count_of(in.faces)};
+  try {
+    reserve_room(counts);
+  } catch (const Error& e) {
+    throw Error("object '" + settings.name + "': " + e.what());
+  }
+  reserve_more(issues_, in.issues.size());
+  auto with_map = std::make_shared<Source>(Source{source->mesh, settings.sides, std::move(in.vertex_of)});
+  decltype(free_rooms_) given_up;  // memory for that comes first, too
+  if (slots_[index].room != none) given_up.emplace(rooms_[slots_[index].room].count[corner_array], slots_[index].room);
+  std::string name = settings.name;
+
+  std::uint32_t old = slots_[index].room;
+  if (old != none) {
+    clear_room(index);
+    const Room& room = rooms_[old];
+    if (!std::equal(counts, counts + 6, room.count, [](std::uint32_t want, std::uint32_t have) { return want <= have; })) {
+      rooms_[old].owner = none;
+      free_rooms_.merge(given_up);
+      old = none;
+    }
+  }
+  if (old == none) take_room(index, counts);
+  const Room& room = rooms_[slots_[index].room];
+  const std::uint32_t vertex0 = room.first[vertex_array], edge0 = room.first[edge_array], plane0 = room.first[plane_array],
+                      facet0 = room.first[facet_array], corner0 = room.first[corner_array], face0 = room.first[face_array];
+
+  Object& o = objects_[index];
+  o.name = std::move(name);
+  o.sides = settings.sides != Sides::automatic ? settings.sides : in.closed ? Sides::closed : Sides::open;
+  o.casts = settings.casts, o.receives = settings.receives, o.moves = settings.moves;
+  o.first_face = face0, o.face_count = counts[face_array];
+  o.first_vertex = vertex0, o.vertex_count = counts[vertex_array];
+  o.first_facet = facet0, o.facet_count = counts[facet_array];
+  o.first_edge = edge0, o.edge_count = counts[edge_array];
+  o.signed_volume = in.signed_volume;
+  o.pose = settings.pose;
+  o.alive = true;
+  std::copy(in.vertices.begin(), in.vertices.end(), vertices_.begin() + vertex0);
+  std::copy(in.planes.begin(), in.planes.end(), planes_.begin() + plane0);
+  std::transform(in.edges.begin(), in.edges.end(), edges_.begin() + edge0, [=](const Edge& e) {
+    return Edge{e.a + vertex0, e.b + vertex0};
+  });
+  std::transform(in.corners.begin(), in.corners.end(), corners_.begin() + corner0, [=](const Corner& c) {
+    return Corner{c.vertex + vertex0, c.edge + (edge0 << 1)};
+  });
+  for (std::uint32_t f = 0; f < counts[face_array]; ++f) {
+    Face& face = faces_[face0 + f] = in.faces[f];
+    face.object = index;
+    for (std::uint32_t k = face.first_facet; k < face.first_facet + face.facet_count; ++k) {
+      const Facet& t = in.facets[k];
+      facets_[facet0 + k] = {face0 + f, t.plane + plane0, t.first_corner + corner0, t.corner_count};
+    }
+    face.first_facet += facet0;
+  }
+  for (Issue& i : in.issues) {
+    i.object = index;
+    issues_.push_back(std::move(i));
+  }
+  slots_[index].source = std::move(with_map);
+  touch(index);
+}
+
+ObjectId Scene::add(const Mesh& mesh, const ObjectSettings& settings) {
+  check_pose(settings.pose, settings.name);
+  auto source = std::make_shared<const Source>(Source{mesh, settings.sides, {}});
+  const bool fresh = free_objects_.empty();
+  const std::uint32_t index = fresh ? count_of(objects_) : free_objects_.back();
+  if (fresh) {
+    reserve_more(objects_, 1);
+    reserve_more(slots_, 1);
+    reserve_more(free_objects_, objects_.size() + 1 - free_objects_.size());  // removing never fails
+    Object empty{};
+    empty.alive = false;
+    objects_.push_back(std::move(empty));
+    slots_.emplace_back();
+  }
+  try {
+    admit(index, std::move(source), settings);
+  } catch (...) {
+    if (fresh) objects_.pop_back(), slots_.pop_back();
+    throw;
+  }
+  if (!fresh) free_objects_.pop_back();
+  return object_id(index);
+}
+
+template <class Id, class Slots, class Alive>
+Edit Scene::locate(Id id, const Slots& slots, const Alive& alive) const {
+  if (id.scene != tag_ || id.index >= slots.size()) return Edit::foreign;
+  return alive(id.index) && slots[id.index].generation == id.generation ? Edit::done : Edit::stale;
+}
+Edit Scene::locate(ObjectId id) const {
+  return locate(id, slots_, [this](std::uint32_t i) { return objects_[i].alive; });
+}
+Edit Scene::locate(LightId id) const {
+  return locate(id, light_slots_, [this](std::uint32_t i) { return light_slots_[i].alive; });
+}
+
+Edit Scene::remove(ObjectId id) {
+  if (const Edit e = locate(id); e != Edit::done) return e;
+  Slot& slot = slots_[id.index];
+  free_rooms_.emplace(rooms_[slot.room].count[corner_array], slot.room);
+  clear_room(id.index);
+  rooms_[slot.room].owner = none;
+  slot.room = none;
+  slot.source.reset();
+  ++slot.generation;
+  Object dead{};
+  dead.alive = false;
+  objects_[id.index] = std::move(dead);
+  free_objects_.push_back(id.index);
+  touch(id.index);
+  return Edit::done;
+}
+
+Edit Scene::set_pose(ObjectId id, const Pose& pose) {
+  if (const Edit e = locate(id); e != Edit::done) return e;
+  Object& o = objects_[id.index];
+  check_pose(pose, o.name);
+  const std::shared_ptr<const Source> source = slots_[id.index].source;
+  if (Carried carried; carry(source->mesh, source->vertex_of, pose, flatness_tolerance, *this, o, carried)) {
+    std::copy(carried.vertices.begin(), carried.vertices.end(), vertices_.begin() + o.first_vertex);
+    for (std::uint32_t f = 0; f < o.face_count; ++f) {
+      Face& face = faces_[o.first_face + f];
+      face.area = carried.areas[f];
+      planes_[facets_[face.first_facet].plane] = carried.planes[f];
+    }
+    o.pose = pose;
+    touch(id.index);
+  } else {
+    admit(id.index, source, {o.name, pose, source->sides, o.casts, o.receives, o.moves});
+  }
+  return Edit::done;
+}
+
+Edit Scene::set_vertices(ObjectId id, std::span<const Vec3> local) {
+  if (const Edit e = locate(id); e != Edit::done) return e;
+  const Object& o = objects_[id.index];
+  const Source& old = *slots_[id.index].source;
+  if (local.size() != old.mesh.vertices.size()) {
+    throw Error("object '" + o.name + "': its mesh has " + std::to_string(old.mesh.vertices.size()) + " vertices, and " +
+                std::to_string(local.size()) + " were given");
+  }
+  Source changed{old.mesh, old.sides, {}};
+  changed.mesh.vertices.assign(local.begin(), local.end());
+  admit(id.index, std::make_shared<const Source>(std::move(changed)), {o.name, o.pose, old.sides, o.casts, o.receives, o.moves});
+  return Edit::done;
+}
+
+Edit Scene::set_casts(ObjectId id, bool casts) {
+  if (const Edit e = locate(id); e != Edit::done) return e;
+  objects_[id.index].casts = casts;
+  touch(id.index);
+  return Edit::done;
+}
+
+Edit Scene::set_receives(ObjectId id, bool receives) {
+  if (const Edit e = locate(id); e != Edit::done) return e;
+  objects_[id.index].receives = receives;
+  touch(id.index);
+  return Edit::done;
+}
+
+LightId Scene::add(const Light& light) {
+  const bool fresh = free_lights_.empty();
+  const std::uint32_t index = fresh ? count_of(lights_) : free_lights_.back();
+  check(light, light.name.empty() ? "light " + std::to_string(index) : "light '" + light.name + "'");
+  if (fresh) {
+    reserve_more(light_slots_, 1);
+    reserve_more(free_lights_, lights_.size() + 1 - free_lights_.size());
+    lights_.push_back(light);
+    light_slots_.emplace_back();
+  } else {
+    lights_[index] = light;
+    free_lights_.pop_back();
+  }
+  light_slots_[index].alive = true;
+  light_slots_[index].revision = ++revision_;
+  return light_id(index);
+}
+
+Edit Scene::remove(LightId id) {
+  if (const Edit e = locate(id); e != Edit::done) return e;
+  LightSlot& slot = light_slots_[id.index];
+  slot.alive = false;
+  ++slot.generation;
+  slot.revision = ++revision_;
+  free_lights_.push_back(id.index);
+  return Edit::done;
+}
+
+Edit Scene::set_light(LightId id, const Light& light) {
+  if (const Edit e = locate(id); e != Edit::done) return e;
+  check(light, light.name.empty() ? "light " + std::to_string(id.index) : "light '" + light.name + "'");
+  lights_[id.index] = light;
+  light_slots_[id.index].revision = ++revision_;
+  return Edit::done;
+}
+
+void Scene::replace_lights(std::span<const Light> lights) {
+  const std::vector<Light> fresh(lights.begin(), lights.end());  // they may be our own
+  for (std::size_t i = 0; i < fresh.size(); ++i)
+    check(fresh[i], fresh[i].name.empty() ? "light " + std::to_string(i) : "light '" + fresh[i].name + "'");
+  for (std::size_t i = 0; i < lights_.size(); ++i) {
+    if (light_slots_[i].alive) static_cast<void>(remove(light_id(i)));
+  }
+  std::sort(free_lights_.rbegin(), free_lights_.rend());
+  for (const Light& light : fresh) add(light);
+}
+
+const Object* Scene::find(ObjectId id) const { return locate(id) == Edit::done ? &objects_[id.index] : nullptr; }
+const Light* Scene::find(LightId id) const { return locate(id) == Edit::done ? &lights_[id.index] : nullptr; }
+
+ObjectId Scene::object_id(std::size_t index) const {
+  if (index >= objects_.size() || !objects_[index].alive) return {};
+  return {static_cast<std::uint32_t>(index), slots_[index].generation, tag_};
+}
+LightId Scene::light_id(std::size_t index) const {
+  if (index >= lights_.size() || !light_slots_[index].alive) return {};
+  return {static_cast<std::uint32_t>(index), light_slots_[index].generation, tag_};
+}
+
+std::uint32_t Scene::room_taken_by(const Scene& other, std::uint32_t index) const {
+  const std::uint32_t room = index < other.slots_.size() ? other.slots_[index].room : none;
+  return room < rooms_.size() ? rooms_[room].owner : none;
+}
+
+void Scene::copy_objects(const Scene& from, std::span<const std::uint32_t> indices) {
+  if (objects_.size() < from.objects_.size()) {
+    Object empty{};
+    empty.alive = false;
+    objects_.resize(from.objects_.size(), empty);
+    slots_.resize(from.slots_.size());
+  }
+  for (std::size_t r = rooms_.size(); r < from.rooms_.size(); ++r) {
+    rooms_.push_back(from.rooms_[r]);
+    rooms_.back().owner = none;
+    grow_to(rooms_.back());
+  }
+  for (const std::uint32_t i : indices) {
+    if (slots_[i].room == none) continue;
+    clear_room(i);
+    rooms_[slots_[i].room].owner = none;
+  }
+  for (const std::uint32_t i : indices) {
+    const Slot& slot = from.slots_[i];
+    objects_[i] = from.objects_[i];
+    slots_[i].room = slot.room;
+    slots_[i].generation = slot.generation;
+    slots_[i].revision = slot.revision;
+    revision_ = std::max(revision_, slot.revision);
+    if (slot.room == none) continue;
+    Room& room = rooms_[slot.room];
+    room.owner = i;
+    const auto copy = [&room](auto& to, const auto& source, Array a) {
+      std::copy_n(source.begin() + room.first[a], room.count[a], to.begin() + room.first[a]);
+    };
+    copy(vertices_, from.vertices_, vertex_array);
+    copy(edges_, from.edges_, edge_array);
+    copy(planes_, from.planes_, plane_array);
+    copy(facets_, from.facets_, facet_array);
+    copy(corners_, from.corners_, corner_array);
+    copy(faces_, from.faces_, face_array);
+  }
 }
 
 }  // namespace shadowcut

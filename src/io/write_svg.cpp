@@ -261,9 +261,14 @@ class CameraView {
   std::string draw() {
     Options options;
     options.threads = view_.threads;
-    Engine engine(scene_, options);
-    for (const Light& light : lights_) engine.add_light(light);
-    const std::size_t eye = engine.add_light(Light::point(view_.eye));
+    options.edits = false;
+    std::vector<Light> lights = lights_;
+    lights.push_back(Light::point(view_.eye));
+    const std::size_t eye = lights.size() - 1;
+    Scene scene = scene_;
+    scene.replace_lights(lights);
+    Engine engine(scene, options);
+    engine.update();
     const LightSets all = engine.combined();
     for (std::size_t i = 0; i < all.fragments.size(); ++i)
       if (all.reaches(i, eye)) paint(all, i);

@@ -121,8 +121,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   for (const Form form : {Form::pieces, Form::merged, Form::conforming}) {
     options.form = form;
+    options.edits = false;
+    scene.replace_lights({&light, 1});
     Engine engine(scene, options);
-    engine.add_light(light);
+    engine.update();
     const std::string complaint = engine.validate();
     require(complaint.empty(), complaint.c_str());
     check(scene, engine.shadows(0));
