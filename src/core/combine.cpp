@@ -55,8 +55,8 @@ class Query {
 
   const Line& line(std::uint32_t id) const {
     if (id >= first_query_line) return lines_[id - first_query_line];
-    if (id < light_.tables().lines.size()) return light_.tables().lines[id];
-    return cut_lines_[id - light_.tables().lines.size()];
+    if (id < first_local_line) return light_.tables().lines[id];
+    return cut_lines_[id - first_local_line];
   }
 
   Cone* make_cone(std::uint32_t facet, std::span<const Vec3> polygon) {
@@ -138,7 +138,7 @@ class Query {
           crossing = light_.tables().lines[cut];
         }
         // A cell's own lines and the crossings with it are copied: one polygon may meet several cells, whose ids overlap.
-        const auto id = static_cast<std::uint32_t>(light_.tables().lines.size() + cut_lines_.size());
+        const auto id = first_local_line + static_cast<std::uint32_t>(cut_lines_.size());
         cut_lines_.push_back(crossing);
         Cone *positive, *negative;
         split(

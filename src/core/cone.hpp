@@ -30,7 +30,7 @@ class EdgeRef {
   std::uint32_t line() const { return bits_ >> 2; }
   bool negative() const { return bits_ & 2; }  // inside is where n.r < 0
   bool bounded() const { return bits_ & 1; }
-  void set_bounded() { bits_ |= 1; }
+  void set_bounded(bool bounded = true) { bits_ = (bits_ & ~1u) | (bounded ? 1u : 0u); }
 
  private:
   std::uint32_t bits_;
@@ -48,7 +48,8 @@ struct Cone {
   std::uint32_t count, capacity;  // capacity: even, so that corners can be tested two at a time
   float error;                    // absolute, of every corner's ray
   std::uint32_t facet;
-  std::uint32_t at;  // free for who holds the cone
+  std::uint32_t at;     // free for who holds the cone
+  std::uint32_t entry;  // of the facet in the cell where the cone is (see CellTree)
   Cone* next_free;
 
   ConeCorner* corners() { return reinterpret_cast<ConeCorner*>(reinterpret_cast<char*>(this) + 64); }
@@ -290,6 +291,7 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
     o->edge = closing;
     out->count = static_cast<std::uint32_t>(o + 1 - out->corners());
     out->facet = c.facet;
+    out->entry = c.entry;
     out->error = error;
     return out;
   };
@@ -299,12 +301,34 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
   negative = build(down, p_down, up, p_up, outside);
 }
 
+// The plane of one face against another's: d.r > 0 for rays along which `own` is nearer to the light. Not for one plane and itself.
+struct PlaneDifference {
+  double d[3];
+  double size, error;  // |d|, about; absolute, of d
+
+  PlaneDifference(const PlaneRay& own, const double q[3], float q_error) : d{own.q[0] - q[0], own.q[1] - q[1], own.q[2] - q[2]} {
+    size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
+    error = static_cast<double>(own.error) + static_cast<double>(q_error) + 2 * unit_roundoff * size;
+  }
+  // Up to which |d.r| a sign is not certain.
+  double bound(const Cone& cone) const { return error + size * (static_cast<double>(cone.error) + sign_slack); }
+  // d.r = 0 as a line: where the two planes cross.
+  Line line() const {
+    const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    return {{d[0] / length, d[1] / length, d[2] / length},
+            std::nextafter(static_cast<float>(error / length + 2 * unit_roundoff), INFINITY),
+            none,
+            none};
+  }
+};
+
 // Sends a cone to its side of a node's line: 0 positive, 1 negative. A cone on both sides is cut: it becomes its positive part and goes to
 // 0, and cut_off is its negative part, otherwise null. A cone that lies on the line altogether (a sliver that rounding made) goes to the
-// positive side. on: grows by the number of corners on the line.
-template <class Lines>
+// positive side. on: grows by the number of corners on the line. bounds(edge): whether the node serves an edge that lies on it as the
+// cell's end there; such an edge needs no node of its own.
+template <class Lines, class Bounds>
 std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t line, std::span<const VertexRay> rays, const Lines& lines,
-                   ConePool& pool, std::vector<std::int8_t>& spill, Cone*& cut_off, std::uint64_t& on) {
+                   const Bounds& bounds, ConePool& pool, std::vector<std::int8_t>& spill, Cone*& cut_off, std::uint64_t& on) {
   cut_off = nullptr;
   const Signs signs(*cone, m, static_cast<double>(m_error) + static_cast<double>(cone->error) + sign_slack, spill);
   if (signs.any_on()) on += signs.on();
@@ -315,8 +339,11 @@ std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t 
     cone = positive;
     return 0;
   }
-  // Where an edge lies on the line, the cell ends: it needs no node of its own.
-  if (signs.any_on()) signs.for_each_on_edge([cone](std::uint32_t i) { cone->corners()[i].edge.set_bounded(); });
+  if (signs.any_on()) {
+    signs.for_each_on_edge([cone, &bounds](std::uint32_t i) {
+      if (bounds(cone->corners()[i].edge)) cone->corners()[i].edge.set_bounded();
+    });
+  }
   return signs.negative() ? 1 : 0;
 }
 

@@ -7,11 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "unite.hpp"
+
 namespace shadowcut {
 namespace {
-
-constexpr std::uint32_t lit_state = none;        // states: lit, a casting face, or
-constexpr std::uint32_t mixed_state = none - 1;  // more than one
 
 // The area of a polygon handed over corner by corner, as its part along the plane's normal: linear in the corners, so the areas of parts
 // add up.
@@ -44,7 +43,8 @@ class CellEmitter {
         nodes_(tree.nodes()),
         pieces_(tree.pieces()),
         merge_(merge),
-        reversed_(target.space.handedness() < 0) {
+        reversed_(target.space.handedness() < 0),
+        line_of_{tree} {
     if (merge_) find_states();
   }
 
@@ -53,6 +53,7 @@ class CellEmitter {
     out_.block.corners.reserve(pieces_.size() * 14);
     for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
       const Piece& piece = pieces_[p];
+      if (piece.kind == Piece::Kind::free) continue;
       const Face& face = target_.scene.faces()[face_of(piece.facet)];
       if (!target_.scene.objects()[face.object].receives || target_.tables.blocks_only[piece.facet]) continue;
       if (piece.kind == Piece::Kind::owner || piece.kind == Piece::Kind::coplanar) {
@@ -83,23 +84,20 @@ class CellEmitter {
   }
 
   // Whether fragments in these states may be handed out as one: both lit, or both shadowed by faces of one object.
-  bool alike(std::uint32_t a, std::uint32_t b) const {
-    if (a == b) return true;
-    if (a >= mixed_state || b >= mixed_state) return false;
-    return target_.scene.faces()[a].object == target_.scene.faces()[b].object;
-  }
+  bool alike(std::uint32_t a, std::uint32_t b) const { return alike_states(target_.scene, a, b); }
 
-  // By SP-node: the one state of everything below, or mixed. Children come after their parents, so one pass backwards settles all.
+  // By SP-node: the one state of everything below, or mixed. Children are settled before their parents.
   void find_states() {
     states_.resize(nodes_.size(), mixed_state);
-    for (std::size_t i = nodes_.size(); i-- > 0;) {
-      const std::uint32_t a = state_of(nodes_[i].child[0]);
-      if (alike(a, state_of(nodes_[i].child[1]))) states_[i] = a;  // for a PP-node this means nothing, and is never asked
-    }
+    for_each_node_upward(tree_, [this](std::uint32_t node, bool is_sp) {
+      if (!is_sp) return;
+      const std::uint32_t a = state_of(nodes_[node].child[0]);
+      if (alike(a, state_of(nodes_[node].child[1]))) states_[node] = a;
+    });
   }
 
   void emit_in_front(std::uint32_t piece, std::uint32_t front) {
-    const auto line_of = [this](std::uint32_t id) -> const Line& { return tree_.line(id); };
+    const auto any = [](EdgeRef) { return true; };
     std::uint64_t on = 0;
     Cone* whole = tree_.cone_of(pieces_[piece], w_.pool);
     whole->at = front;
@@ -114,7 +112,8 @@ class CellEmitter {
         if (state != mixed_state) break;
         const Node& node = nodes_[here.node()];
         Cone* cut_off;
-        place = here.node() * 2 + sift(cone, node.n, node.error, node.id, target_.tables.rays, line_of, w_.pool, w_.spill, cut_off, on);
+        place =
+            here.node() * 2 + sift(cone, node.n, node.error, node.id, target_.tables.rays, line_of_, any, w_.pool, w_.spill, cut_off, on);
         if (cut_off) {
           cut_off->at = here.node() * 2 + 1;
           w_.pending.push_back(cut_off);
@@ -154,53 +153,9 @@ class CellEmitter {
   bool join_top() {
     Held& a = held_[held_.size() - 2];
     const Held& b = held_.back();
-    if (!alike(a.state, b.state)) return false;
-    const ConeCorner *p = held_corners_.data() + a.first, *q = held_corners_.data() + b.first;
-    for (std::uint32_t i = 0; i < a.count; ++i) {
-      if (!p[i].edge.bounded()) continue;  // cuts are
-      for (std::uint32_t j = 0; j < b.count; ++j) {
-        if (p[i].edge.line() != q[j].edge.line() || p[i].edge.negative() == q[j].edge.negative()) continue;
-        const std::uint32_t i1 = i + 1 == a.count ? 0 : i + 1, j1 = j + 1 == b.count ? 0 : j + 1;
-        return same_ray(p[i], q[j1]) && same_ray(p[i1], q[j]) && join(a, i, b, j);
-      }
-    }
-    return false;
-  }
-
-  static bool same_ray(const ConeCorner& a, const ConeCorner& b) { return a.r[0] == b.r[0] && a.r[1] == b.r[1] && a.r[2] == b.r[2]; }
-  static bool same_side(EdgeRef a, EdgeRef b) { return a.line() == b.line() && a.negative() == b.negative(); }
-
-  // Whether the turn from the corner `before`, at a corner that leaves along `edge`, is certainly convex: before lies inside of that edge's
-  // line.
-  bool turns_inward(const ConeCorner& before, EdgeRef edge) const {
-    const Line& l = tree_.line(edge.line());
-    const double s = l.n[0] * before.r[0] + l.n[1] * before.r[1] + l.n[2] * before.r[2];
-    // The piece's own error is not kept here; a corner's is at most twice a line's and a cross product's, and this is only a choice to join
-    // or not.
-    return (edge.negative() ? -s : s) > 16 * static_cast<double>(l.error) + 16 * sign_slack;
-  }
-
-  // a's edge i is b's edge j, the other way. The union runs round a from behind that edge, then round b; where both go on along one line,
-  // the corner between them goes.
-  bool join(Held& a, std::uint32_t i, const Held& b, std::uint32_t j) {
-    const ConeCorner *p = held_corners_.data() + a.first, *q = held_corners_.data() + b.first;
-    const auto at = [](const ConeCorner* c, std::uint32_t k, std::uint32_t n) -> const ConeCorner& {
-      return c[k < n ? k : k - n];
-    };                                                             // k < 2n
-    const ConeCorner &start = at(p, i + 1, a.count), &end = p[i];  // of a's run
-    const ConeCorner &into_start = at(q, j + b.count - 1, b.count), &from_end = at(q, j + 1, b.count);
-    const bool start_straight = same_side(into_start.edge, start.edge),
-               end_straight = same_side(at(p, i + a.count - 1, a.count).edge, from_end.edge);
-    if (!start_straight && !turns_inward(into_start, start.edge)) return false;
-    if (!end_straight && !turns_inward(at(p, i + a.count - 1, a.count), from_end.edge)) return false;
-    joined_.clear();
-    for (std::uint32_t k = start_straight ? 1 : 0; k + 1 < a.count; ++k) joined_.push_back(at(p, i + 1 + k, a.count));
-    if (!end_straight) {
-      joined_.push_back(end);
-      joined_.back().edge = from_end.edge;
-    }
-    for (std::uint32_t k = 2; k < b.count; ++k) joined_.push_back(at(q, j + k, b.count));
-    if (joined_.size() < 3) return false;
+    const std::span<const ConeCorner> corners = held_corners_;
+    if (!alike(a.state, b.state) || !unite(corners.subspan(a.first, a.count), corners.subspan(b.first, b.count), none, line_of_, joined_))
+      return false;
     held_corners_.resize(a.first);
     held_corners_.insert(held_corners_.end(), joined_.begin(), joined_.end());
     a.count = static_cast<std::uint32_t>(joined_.size());
@@ -212,37 +167,29 @@ class CellEmitter {
   void emit_polygon(std::uint32_t facet_id, std::span<const ConeCorner> cone, std::uint32_t piece, std::uint32_t place,
                     std::uint32_t state) {
     const Facet& facet = target_.scene.facets()[facet_id];
-    const Plane& plane = target_.scene.planes()[facet.plane];
-    const double* q = target_.tables.planes[facet.plane].q;
     const auto count = static_cast<std::uint32_t>(cone.size());
     auto& corners = out_.block.corners;
     const std::size_t first = corners.size();
     corners.resize(first + count);
-    Vec3* const out = corners.data() + first;
-    for (std::uint32_t k = 0; k < count; ++k) {
-      const ConeCorner& c = cone[reversed_ ? count - 1 - k : k];
-      out[k] = c.vertex == none ? target_.space.back(c.r, q) : target_.scene.vertices()[c.vertex];
-    }
-    double area;
-    if (flat_enough(plane, target_.scene.faces()[facet.face])) {
-      AreaSum sum(out[0]);
-      for (std::uint32_t k = 1; k < count; ++k) sum.add(out[k]);
-      area = sum.area(plane.normal);
-    } else {
-      AreaSum sum(target_.space.back(cone[0].r, q));
-      for (std::uint32_t k = 1; k < count; ++k) sum.add(target_.space.back(cone[k].r, q));
-      area = sum.area(plane.normal);
-    }
+    const double area = place_polygon(target_, facet_id, cone, corners.data() + first);
     const bool lit = state == lit_state;
     out_.block.fragments.push_back(
         {{cell_, piece, place}, facet.face, facet_id, lit ? none : state, static_cast<std::uint32_t>(first), count, lit, area});
     if (!target_.keep_lines) return;
     for (std::uint32_t k = 0; k < count; ++k) {
-      const std::uint32_t line =
-          cone[reversed_ ? (2 * count - 2 - k) % count : k].edge.line();  // the edge that leaves corner k in this order
-      const std::uint64_t own = line < target_.tables.lines.size() ? 0 : static_cast<std::uint64_t>(cell_ + 1) << 32;
-      out_.edge_lines.push_back(own + line);
+      // The edge that leaves corner k in this order.
+      out_.edge_lines.push_back(name_of_line(facet.face, cone[reversed_ ? (2 * count - 2 - k) % count : k].edge.line()));
     }
+  }
+
+  // One name for a line wherever it is met: of the object's own edges their index, of others' lines and the cell's own what sets them
+  // apart.
+  std::uint64_t name_of_line(std::uint32_t face, std::uint32_t line) const {
+    if (line >= first_local_line) return static_cast<std::uint64_t>(cell_ + 1) << 32 | line;
+    const std::uint32_t o = target_.scene.faces()[face].object;
+    const Object& object = target_.scene.objects()[o];
+    const std::uint32_t edge = line - target_.tables.line_shift[o];
+    return edge - object.first_edge < object.edge_count ? edge : std::uint64_t{1} << 63 | line;
   }
 
   const CellTree& tree_;
@@ -253,6 +200,10 @@ class CellEmitter {
   std::span<const Node> nodes_;
   std::span<const Piece> pieces_;
   bool merge_, reversed_;
+  struct {
+    const CellTree& tree;
+    const Line& operator()(std::uint32_t id) const { return tree.line(id); }
+  } line_of_;
   std::vector<std::uint32_t> states_;  // by node; empty: leave everything in pieces
 
   std::uint32_t held_facet_ = none;
@@ -261,6 +212,26 @@ class CellEmitter {
 };
 
 }  // namespace
+
+double place_polygon(const EmitTarget& target, std::uint32_t facet_id, std::span<const ConeCorner> cone, Vec3* out) {
+  const Facet& facet = target.scene.facets()[facet_id];
+  const Plane& plane = target.scene.planes()[facet.plane];
+  const double* q = target.tables.planes[facet.plane].q;
+  const auto count = static_cast<std::uint32_t>(cone.size());
+  const bool reversed = target.space.handedness() < 0;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const ConeCorner& c = cone[reversed ? count - 1 - k : k];
+    out[k] = c.vertex == none ? target.space.back(c.r, q) : target.scene.vertices()[c.vertex];
+  }
+  if (flat_enough(plane, target.scene.faces()[facet.face])) {
+    AreaSum sum(out[0]);
+    for (std::uint32_t k = 1; k < count; ++k) sum.add(out[k]);
+    return sum.area(plane.normal);
+  }
+  AreaSum sum(target.space.back(cone[0].r, q));
+  for (std::uint32_t k = 1; k < count; ++k) sum.add(target.space.back(cone[k].r, q));
+  return sum.area(plane.normal);
+}
 
 double area_of_facet(const EmitTarget& target, std::uint32_t facet_id, bool in_light) {
   const Facet& facet = target.scene.facets()[facet_id];

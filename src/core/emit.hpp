@@ -24,6 +24,38 @@ struct EmitTarget {
   bool keep_lines;
 };
 
+// States of a branch in front of a PP-node: lit, shadowed by a face, or more than one.
+inline constexpr std::uint32_t lit_state = none;
+inline constexpr std::uint32_t mixed_state = none - 1;
+
+// Whether fragments in these states may be handed out as one: both lit, or both shadowed by faces of one object.
+inline bool alike_states(const Scene& scene, std::uint32_t a, std::uint32_t b) {
+  if (a == b) return true;
+  if (a >= mixed_state || b >= mixed_state) return false;
+  return scene.faces()[a].object == scene.faces()[b].object;
+}
+
+// Calls f(node, is_sp) for every node, after those below it.
+template <class F>
+void for_each_node_upward(const CellTree& tree, const F& f) {
+  std::vector<std::pair<Child, bool>> pending{{tree.root(), false}};
+  while (!pending.empty()) {
+    const auto [here, below_done] = pending.back();
+    pending.pop_back();
+    if (here.is_out()) continue;
+    if (below_done) {
+      f(here.node(), here.is_sp());
+      continue;
+    }
+    pending.emplace_back(here, true);
+    pending.emplace_back(tree.nodes()[here.node()].child[0], false);
+    if (here.is_sp()) pending.emplace_back(tree.nodes()[here.node()].child[1], false);
+  }
+}
+
+// A polygon of a facet into world space: counter-clockwise seen from the light, as many corners as the cone has. Returns its area.
+double place_polygon(const EmitTarget& target, std::uint32_t facet, std::span<const ConeCorner> cone, Vec3* out);
+
 // The area of a facet's region: in_light, its plane cut by its cone of light (for facets that entered); otherwise what its corners enclose.
 double area_of_facet(const EmitTarget& target, std::uint32_t facet, bool in_light);
 

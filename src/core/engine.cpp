@@ -23,10 +23,6 @@ int threads_of(const Options& options) {
   return options.threads == 0 || options.threads > static_cast<unsigned>(most) ? most : static_cast<int>(options.threads);
 }
 
-bool operator!=(const FaceArea& a, const FaceArea& b) {
-  return a.facing != b.facing || a.area != b.area || a.lit != b.lit || a.shadowed != b.shadowed;
-}
-
 }  // namespace
 
 Shadows cast_shadows(const Scene& scene, const Light& light, const Options& options) {
@@ -78,69 +74,40 @@ struct Engine::Impl {
     }
   }
 
-  LightChanges& changes_of(std::size_t light) {
-    for (LightChanges& c : changes.lights) {
-      if (c.light == light) return c;
-    }
-    changes.lights.emplace_back();
-    changes.lights.back().light = static_cast<std::uint32_t>(light);
-    return changes.lights.back();
-  }
-
   // A light's tree is made anew, or goes, or comes.
   void rebuild(std::size_t light) {
     Tracked& t = lights[light];
-    LightChanges& c = changes_of(light);
-    Shadows before;
-    if (t.tree) before = t.tree->take_shadows();
+    t.revision = wanted.light_revision(light);
+    ++changes.applied;
     const bool alive = wanted.light_id(light).index != none;
     if (alive && t.tree) {
       t.tree->rebuild(wanted.lights()[light]);
     } else if (alive) {
       t.tree = std::make_unique<LightTree>(applied, wanted.lights()[light], options);
-    } else {
+    } else if (t.tree) {
+      LightChanges c;
+      t.tree->rebuild_to_nothing(c);
+      c.light = static_cast<std::uint32_t>(light);
+      changes.lights.push_back(std::move(c));
       t.tree.reset();
     }
-    t.revision = wanted.light_revision(light);
-    c.rebuilt = alive, c.removed = !alive;
-    // What earlier steps of this update added was never handed out.
-    const auto added_since = [&c](const FragmentId& id) {
-      return std::binary_search(c.added.begin(), c.added.end(), id, [](const auto& a, const auto& b) { return key(a) < key(b); });
-    };
-    std::sort(c.added.begin(), c.added.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-    for (const Block& block : before.blocks) {
-      for (const Fragment& f : block.fragments) {
-        if (!added_since(f.id)) c.gone.push_back(f.id);
-      }
-    }
-    c.added.clear();
-    if (!alive) return;
-    const Shadows& now = t.tree->shadows();
-    for (const Block& block : now.blocks) {
-      for (std::uint32_t i = 0; i < block.fragments.size(); ++i) c.added.push_back({block.fragments[i].id, i});
-    }
-    c.areas.clear();
-    for (std::uint32_t f = 0; f < now.areas.size(); ++f) {
-      if (f >= before.areas.size() || before.areas[f] != now.areas[f]) c.areas.push_back({f, now.areas[f]});
-    }
   }
-  static const FragmentId& key(const FragmentId& id) { return id; }
-  static const FragmentId& key(const LightChanges::Added& a) { return a.id; }
 
   void rebuild_all() {
-    lights.resize(wanted.lights().size());
     lights_done = 0, lights_to_do = static_cast<double>(std::max<std::size_t>(lights.size(), 1));
     for (std::size_t k = 0; k < lights.size(); ++k) {
-      if (lights[k].tree || wanted.light_id(k).index != none) guarded([&] { rebuild(k); });
+      rebuild(k);
       lights_done += 1;
     }
+    lights_done = 0, lights_to_do = 1;
   }
 
   // Everything of the scene at once.
   void take_all() {
-    guarded([&] { applied = wanted; });
+    applied = wanted;
     seen = wanted.revision();
-    changes.applied += static_cast<std::uint32_t>(wanted.objects().size() + wanted.lights().size());
+    changes.applied += static_cast<std::uint32_t>(wanted.objects().size());
+    lights.resize(wanted.lights().size());
     rebuild_all();
     built = true;
   }
@@ -148,20 +115,143 @@ struct Engine::Impl {
   const Changes& update(std::chrono::nanoseconds budget, bool limited) {
     const Clock::time_point begin = Clock::now();
     require_whole();
-    changes = {};
-    if (!built) {
-      take_all();
-    } else {
-      advance(begin + budget, limited);
-    }
-    std::sort(changes.lights.begin(), changes.lights.end(), [](const auto& a, const auto& b) { return a.light < b.light; });
+    guarded([&] {
+      changes = {};
+      for (Tracked& t : lights) {
+        if (t.tree) t.tree->begin_update();
+      }
+      if (!built) {
+        take_all();
+      } else if (wanted.revision() != seen) {
+        advance(begin + budget, limited);
+      }
+      list_changes();
+    });
     changes.ms = ms_since(begin);
     return changes;
   }
 
-  void advance(Clock::time_point, bool) {
-    if (wanted.revision() == seen) return;
-    take_all();
+  const Changes& compact() {
+    const Clock::time_point begin = Clock::now();
+    if (broken) lights.clear();
+    broken = false;
+    guarded([&] {
+      changes = {};
+      for (Tracked& t : lights) {
+        if (t.tree) t.tree->begin_update();
+      }
+      take_all();
+      list_changes();
+    });
+    changes.ms = ms_since(begin);
+    return changes;
+  }
+
+  void list_changes() {
+    for (std::size_t k = 0; k < lights.size(); ++k) {
+      if (!lights[k].tree) continue;
+      LightChanges c;
+      c.light = static_cast<std::uint32_t>(k);
+      lights[k].tree->finish_update(c);
+      if (c.rebuilt || !c.gone.empty() || !c.added.empty() || !c.areas.empty()) changes.lights.push_back(std::move(c));
+    }
+    std::sort(changes.lights.begin(), changes.lights.end(), [](const auto& a, const auto& b) { return a.light < b.light; });
+  }
+
+  bool is_pending(std::uint32_t object) const {
+    return object >= applied.objects().size() || applied.object_revision(object) != wanted.object_revision(object);
+  }
+  bool is_stale(std::size_t light) const { return lights[light].revision != wanted.light_revision(light); }
+
+  void advance(Clock::time_point deadline, bool limited) {
+    lights.resize(wanted.lights().size());
+    std::vector<std::uint32_t> pending = wanted.changed_since(seen);
+    pending.erase(std::remove_if(pending.begin(), pending.end(), [this](std::uint32_t o) { return !is_pending(o); }), pending.end());
+    if (!limited && (!options.edits || is_most_of_it(pending))) {
+      take_all();
+      return;
+    }
+    if (limited) {
+      advance_step_by_step(pending, deadline);
+    } else {
+      apply(pending, true);
+      rebuild_stale({}, false);
+      seen = wanted.revision();
+    }
+  }
+
+  // Whether building anew is no more work than editing.
+  bool is_most_of_it(const std::vector<std::uint32_t>& objects) const {
+    std::size_t facets = 0;
+    for (const std::uint32_t o : objects) {
+      if (o < applied.objects().size()) facets += applied.objects()[o].facet_count;
+      facets += wanted.objects()[o].facet_count;
+    }
+    return facets > wanted.facets().size();
+  }
+
+  // False: out of time.
+  bool rebuild_stale(Clock::time_point deadline, bool limited) {
+    for (std::size_t k = 0; k < lights.size(); ++k) {
+      if (!is_stale(k)) continue;
+      applied.copy_lights(wanted);
+      rebuild(k);
+      if (limited && Clock::now() >= deadline) return false;
+    }
+    return true;
+  }
+
+  // Lights first, so that no step leaves a light's shadows behind the objects; then the objects changed longest ago.
+  void advance_step_by_step(const std::vector<std::uint32_t>& pending, Clock::time_point deadline) {
+    changes.complete = false;
+    if (!rebuild_stale(deadline, true)) return;
+    std::size_t at_once = 1;
+    for (std::size_t i = 0; i < pending.size();) {
+      const Clock::time_point begin = Clock::now();
+      std::vector<std::uint32_t> group;
+      for (; i < pending.size() && group.size() < at_once; ++i) add_to_group(pending[i], group);
+      if (options.edits) {
+        apply(group, false);
+      } else {
+        applied.copy_objects(wanted, group);
+        changes.applied += static_cast<std::uint32_t>(group.size());
+        for (Tracked& t : lights) {
+          if (t.tree) t.tree->rebuild(Light(wanted.lights()[static_cast<std::size_t>(&t - lights.data())]));
+        }
+      }
+      const Clock::time_point now = Clock::now();
+      if (now >= deadline) break;
+      at_once = deadline - now > 4 * (now - begin) ? 2 * at_once : 1;
+    }
+    if (std::any_of(pending.begin(), pending.end(), [this](std::uint32_t o) { return is_pending(o); })) return;
+    changes.complete = true;
+    seen = wanted.revision();
+  }
+
+  // An object may have been given room that others, which have changed too, still take up here: they go together.
+  void add_to_group(std::uint32_t object, std::vector<std::uint32_t>& group) const {
+    std::vector<std::uint32_t> more{object};
+    while (!more.empty()) {
+      const std::uint32_t o = more.back();
+      more.pop_back();
+      if (o == none || !is_pending(o) || std::find(group.begin(), group.end(), o) != group.end()) continue;
+      group.push_back(o);
+      more.push_back(applied.room_taken_by(wanted, o));
+    }
+  }
+
+  // Brings objects up to date in the applied scene and in the trees; not in those of lights that will be built anew.
+  void apply(const std::vector<std::uint32_t>& objects, bool but_stale) {
+    if (objects.empty()) return;
+    const auto for_trees = [&](const auto& edit) {
+      for (std::size_t k = 0; k < lights.size(); ++k) {
+        if (lights[k].tree && !(but_stale && is_stale(k))) edit(*lights[k].tree);
+      }
+    };
+    for_trees([&](LightTree& tree) { tree.remove_objects(objects); });
+    applied.copy_objects(wanted, objects);
+    for_trees([&](LightTree& tree) { tree.insert_objects(objects); });
+    changes.applied += static_cast<std::uint32_t>(objects.size());
   }
 };
 
@@ -173,14 +263,7 @@ Engine& Engine::operator=(Engine&&) noexcept = default;
 const Changes& Engine::update() { return impl_->update({}, false); }
 const Changes& Engine::update(std::chrono::nanoseconds budget) { return impl_->update(budget, true); }
 
-const Changes& Engine::compact() {
-  const Clock::time_point begin = Clock::now();
-  impl_->changes = {};
-  impl_->broken = false;
-  impl_->take_all();
-  impl_->changes.ms = ms_since(begin);
-  return impl_->changes;
-}
+const Changes& Engine::compact() { return impl_->compact(); }
 
 const Scene& Engine::scene() const {
   impl_->require_whole();
@@ -191,13 +274,7 @@ std::size_t Engine::light_count() const { return impl_->lights.size(); }
 
 const Shadows& Engine::shadows(std::size_t light) const { return impl_->tracked(light).tree->shadows(); }
 
-const Fragment* Engine::find(std::size_t light, FragmentId id) const {
-  const Shadows& shadows = this->shadows(light);
-  if (id.cell >= shadows.blocks.size()) return nullptr;
-  const auto& fragments = shadows.blocks[id.cell].fragments;
-  const auto f = std::find_if(fragments.begin(), fragments.end(), [&](const Fragment& g) { return g.id == id; });
-  return f == fragments.end() ? nullptr : &*f;
-}
+const Fragment* Engine::find(std::size_t light, FragmentId id) const { return impl_->tracked(light).tree->find(id); }
 
 LightSets Engine::combined() const {
   impl_->require_whole();

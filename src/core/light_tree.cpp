@@ -1,7 +1,6 @@
 #include "light_tree.hpp"
 
 #include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -62,80 +61,105 @@ void parallel(std::size_t count, std::size_t grain, const Body& body) {
 }  // namespace
 
 LightTree::LightTree(const Scene& scene, const Light& light, const Options& options)
-    : scene_(scene), options_(options), light_(light), space_(light, box_of(scene)) {
-  build_all();
+    : scene_(scene), options_(options), light_(light), space_(light, {}) {
+  tables_.edits = options.edits;
+  tables_.join_threshold = options.join_threshold;
+  begin_update();
+  rebuild(light);
 }
 
 void LightTree::rebuild(const Light& light) {
+  note_everything();
   light_ = light;
   space_ = LightSpace(light, box_of(scene_));
-  shadows_ = {};
   build_all();
 }
 
 void LightTree::build_all() {
   const auto start = Clock::now();
-  tables_.facets = scene_.facets();
-  tables_.objects = scene_.objects();
-  tables_.faces = scene_.faces();
+  shadows_.stats = {};
+  refer_to_scene();
   face_the_light();
   fill_tables();
   std::vector<Vec3> centers;
   const std::vector<std::uint32_t> order = insertion_order(centers);
+  tables_.first_prefix_line = static_cast<std::uint32_t>(tables_.lines.size());
   prefix_ = std::make_unique<Prefix>(std::move(centers), space_.far(), options_.facets_per_cell, tables_.lines);
+  tables_.prefix_lines = static_cast<std::uint32_t>(tables_.lines.size()) - tables_.first_prefix_line;
   build(order);
   shadows_.stats.build_ms = ms_since(start);
   const auto built = Clock::now();
-  emit();
+  if (is_live()) {
+    emit_live();
+  } else {
+    emit();
+  }
   sum_up();
+  if (options_.edits) start_edits();
   shadows_.stats.emit_ms = ms_since(built);
 }
 
-// Which facets enter the tree, and how every facet stands to the light.
+void LightTree::refer_to_scene() {
+  tables_.facets = scene_.facets();
+  tables_.objects = scene_.objects();
+  tables_.faces = scene_.faces();
+}
+
+bool LightTree::holds_light(const Object& object) const {
+  return light_.kind == Light::Kind::point && object.sides == Sides::closed && in_or_on_solid(scene_, object, light_.at);
+}
+
+// A face that is partly within reach is treated whole.
+bool LightTree::reached(std::uint32_t f) const {
+  if (light_.kind != Light::Kind::point || (!std::isfinite(light_.range) && !light_.spot)) return true;
+  const Face& face = scene_.faces()[f];
+  const auto facets = scene_.facets().subspan(face.first_facet, face.facet_count);
+  return std::any_of(facets.begin(), facets.end(), [this](const Facet& facet) { return within_reach(scene_, facet, light_); });
+}
+
+// Whether a facet enters the tree, and how it stands to the light.
+void LightTree::face_facet(std::uint32_t i, bool is_reached, bool light_inside) {
+  const Facet& facet = scene_.facets()[i];
+  const Object& object = scene_.objects()[tables_.object_of(i)];
+  turned_[i] = space_.turned(scene_.planes()[facet.plane]);
+  facing_[i] = object.receives ? Facing::away : Facing::ignored;
+  enters_[i] = 0;
+  tables_.blocks_only[i] = 0;
+  if (!is_reached) {
+    if (object.receives) facing_[i] = Facing::out_of_reach;
+    return;
+  }
+  if (turned_[i] == Turned::edge_on || (!object.casts && !object.receives)) return;
+  const bool turned_off = turned_[i] == Turned::away && object.sides == Sides::closed;
+  if (turned_off && !(light_inside && object.casts)) return;
+  enters_[i] = 1;
+  tables_.blocks_only[i] = turned_off;
+  if (!turned_off && object.receives) facing_[i] = Facing::toward;
+}
+
 void LightTree::face_the_light() {
   const auto facets = scene_.facets();
   turned_.resize(facets.size());
   facing_.assign(facets.size(), Facing::away);
   enters_.assign(facets.size(), 0);
   tables_.blocks_only.assign(facets.size(), 0);
-  std::vector<std::uint8_t> holds_light(scene_.objects().size(), 0);
-  if (light_.kind == Light::Kind::point) {
-    parallel(holds_light.size(), 16, [&](std::size_t o) {
-      const Object& object = scene_.objects()[o];
-      holds_light[o] = object.sides == Sides::closed && in_or_on_solid(scene_, object, light_.at);
-    });
-  }
-  std::vector<std::uint8_t> unreached;  // by face: a face that is partly within reach is treated whole
-  if (light_.kind == Light::Kind::point && (std::isfinite(light_.range) || light_.spot)) {
-    unreached.resize(scene_.faces().size(), 1);
-    parallel(unreached.size(), 256, [&](std::size_t f) {
-      const Face& face = scene_.faces()[f];
-      for (const Facet& facet : facets.subspan(face.first_facet, face.facet_count)) {
-        if (within_reach(scene_, facet, light_)) unreached[f] = 0;
-      }
-    });
-  }
+  std::vector<std::uint8_t> light_inside(scene_.objects().size(), 0), is_reached(scene_.faces().size(), 0);
+  parallel(light_inside.size(), 16, [&](std::size_t o) { light_inside[o] = holds_light(scene_.objects()[o]); });
+  parallel(is_reached.size(), 256, [&](std::size_t f) { is_reached[f] = reached(static_cast<std::uint32_t>(f)); });
   parallel(facets.size(), 1024, [&](std::size_t i) {
-    const Facet& facet = facets[i];
-    if (facet.corner_count == 0) return;  // nobody's
-    const std::uint32_t o = scene_.faces()[facet.face].object;
-    const Object& object = scene_.objects()[o];
-    turned_[i] = space_.turned(scene_.planes()[facet.plane]);
-    if (!object.receives) facing_[i] = Facing::ignored;
-    if (!unreached.empty() && unreached[facet.face]) {
-      if (object.receives) facing_[i] = Facing::out_of_reach;
-      return;
-    }
-    if (turned_[i] == Turned::edge_on || (!object.casts && !object.receives)) return;
-    const bool turned_off = turned_[i] == Turned::away && object.sides == Sides::closed;
-    if (turned_off && !(holds_light[o] && object.casts)) return;
-    enters_[i] = 1;
-    tables_.blocks_only[i] = turned_off;
-    if (!turned_off && object.receives) facing_[i] = Facing::toward;
+    if (facets[i].corner_count == 0) return;  // nobody's
+    const auto id = static_cast<std::uint32_t>(i);
+    face_facet(id, is_reached[facets[i].face], light_inside[tables_.object_of(id)]);
   });
 }
 
-// Rays, lines and planes of what enters.
+void LightTree::make_line(std::uint32_t edge, std::uint32_t id) {
+  const Edge& e = scene_.edges()[edge];
+  Line& line = tables_.lines[id] = space_.line(scene_.vertices()[e.a], scene_.vertices()[e.b]);
+  line.a = e.a, line.b = e.b;
+}
+
+// Rays, lines and planes of what enters. A line's id is its edge's index, until an object moves away from planes it leaves behind.
 void LightTree::fill_tables() {
   const auto facets = scene_.facets();
   std::vector<std::uint8_t> vertex_used(scene_.vertices().size(), 0), edge_used(scene_.edges().size(), 0),
@@ -148,64 +172,70 @@ void LightTree::fill_tables() {
   tables_.rays.resize(vertex_used.size());
   tables_.lines.resize(edge_used.size());
   tables_.planes.resize(plane_used.size());
-  const auto vertices = scene_.vertices();
-  parallel(vertex_used.size(), 4096, [&](std::size_t i) {
-    if (vertex_used[i]) tables_.rays[i] = space_.ray(vertices[i]);
-  });
-  parallel(edge_used.size(), 4096, [&](std::size_t i) {
-    const Edge& e = scene_.edges()[i];
-    if (!edge_used[i]) return;
-    tables_.lines[i] = space_.line(vertices[e.a], vertices[e.b]);
-    tables_.lines[i].a = e.a, tables_.lines[i].b = e.b;
-  });
-  parallel(plane_used.size(), 4096, [&](std::size_t i) {
-    if (plane_used[i]) tables_.planes[i] = space_.plane(scene_.planes()[i]);
-  });
+  tables_.line_shift.assign(scene_.objects().size(), 0);
+  const auto for_used = [](const std::vector<std::uint8_t>& used, const auto& make) {
+    parallel(used.size(), 4096, [&](std::size_t i) {
+      if (used[i]) make(static_cast<std::uint32_t>(i));
+    });
+  };
+  for_used(vertex_used, [this](std::uint32_t i) { make_ray(i); });
+  for_used(edge_used, [this](std::uint32_t i) { make_line(i, i); });
+  for_used(plane_used, [this](std::uint32_t i) { make_plane(i); });
+}
+
+double LightTree::solid_angle(std::uint32_t facet) const {
+  const auto corners = scene_.corners_of(scene_.facets()[facet]);
+  const auto ray = [&](std::size_t k) { return Vec3(tables_.rays[corners[k].vertex].r); };
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 1; k + 1 < corners.size(); ++k) sum += (ray(k) - ray(0)).cross(ray(k + 1) - ray(0));
+  return sum.norm();
+}
+
+namespace {
+
+struct Key {
+  std::uint64_t group;  // objects that cast and stay, that move, and those that do not cast: in this order
+  double size;
+  std::uint32_t id;
+  bool operator<(const Key& o) const { return group != o.group ? group < o.group : size != o.size ? size > o.size : id < o.id; }
+};
+
+}  // namespace
+
+// The objects' facets that enter: the largest object first, then its largest facet (sizes of 0 leave the order as given).
+std::vector<std::uint32_t> LightTree::by_object(std::span<const std::uint32_t> objects,
+                                                const std::function<double(std::uint32_t)>& size_of) const {
+  std::vector<Key> sorted, keys;
+  for (const std::uint32_t o : objects) {
+    const Object& object = scene_.objects()[o];
+    double size = 0;
+    for (std::uint32_t i = object.first_facet; i < object.first_facet + object.facet_count; ++i) size += enters_[i] ? size_of(i) : 0;
+    sorted.push_back({object.casts ? (object.moves && options_.order == Order::solid_angle ? 1u : 0u) : 2u, size, o});
+  }
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<std::uint32_t> order;
+  for (const Key& o : sorted) {
+    const Object& object = scene_.objects()[o.id];
+    keys.clear();
+    for (std::uint32_t i = object.first_facet; i < object.first_facet + object.facet_count; ++i) {
+      if (enters_[i]) keys.push_back({0, size_of(i), i});
+    }
+    std::sort(keys.begin(), keys.end());
+    for (const Key& k : keys) order.push_back(k.id);
+  }
+  return order;
 }
 
 // The facets that enter, in the order of insertion; and each one's middle ray.
 std::vector<std::uint32_t> LightTree::insertion_order(std::vector<Vec3>& centers) const {
   const auto facets = scene_.facets();
-  struct Key {
-    std::uint64_t group;  // objects that cast and stay, that move, and those that do not cast: in this order
-    double size;
-    std::uint32_t id;
-    bool operator<(const Key& o) const { return group != o.group ? group < o.group : size != o.size ? size > o.size : id < o.id; }
-  };
   std::vector<double> sizes(facets.size(), 0.0);
   parallel(facets.size(), 1024, [&](std::size_t i) {
-    if (!enters_[i] || options_.order != Order::solid_angle) return;
-    const auto corners = scene_.corners_of(facets[i]);
-    const auto ray = [&](std::size_t k) { return Vec3(tables_.rays[corners[k].vertex].r); };
-    Vec3 sum = Vec3::Zero();
-    for (std::size_t k = 1; k + 1 < corners.size(); ++k) sum += (ray(k) - ray(0)).cross(ray(k + 1) - ray(0));
-    sizes[i] = sum.norm();
+    if (enters_[i] && options_.order == Order::solid_angle) sizes[i] = solid_angle(static_cast<std::uint32_t>(i));
   });
-  // Facets of an object are consecutive, so the objects' ranges sort apart.
-  std::vector<Key> objects;
-  for (std::uint32_t o = 0; o < scene_.objects().size(); ++o) {
-    const Object& object = scene_.objects()[o];
-    double size = 0;
-    for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
-      for (std::uint32_t k = 0; k < scene_.faces()[f].facet_count; ++k) size += sizes[scene_.faces()[f].first_facet + k];
-    }
-    objects.push_back({object.casts ? (object.moves && options_.order == Order::solid_angle ? 1u : 0u) : 2u, size, o});
-  }
-  std::sort(objects.begin(), objects.end());
-  std::vector<std::uint32_t> order;
-  std::vector<Key> keys;
-  for (const Key& o : objects) {
-    const Object& object = scene_.objects()[o.id];
-    keys.clear();
-    for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
-      const Face& face = scene_.faces()[f];
-      for (std::uint32_t i = face.first_facet; i < face.first_facet + face.facet_count; ++i) {
-        if (enters_[i]) keys.push_back({0, sizes[i], i});
-      }
-    }
-    std::sort(keys.begin(), keys.end());
-    for (const Key& k : keys) order.push_back(k.id);
-  }
+  std::vector<std::uint32_t> objects(scene_.objects().size());
+  std::iota(objects.begin(), objects.end(), 0u);
+  std::vector<std::uint32_t> order = by_object(objects, [&](std::uint32_t i) { return sizes[i]; });
   if (options_.order == Order::random) {
     std::vector<Key> shuffled;
     for (const std::uint32_t i : order) {
@@ -231,12 +261,13 @@ Cone* LightTree::cone_of_facet(std::uint32_t facet, ConePool& pool) const {
   cone->count = n;
   cone->facet = facet;
   cone->error = 0;
+  const std::uint32_t shift = tables_.line_shift[tables_.object_of(facet)];
   const bool ahead = forward(facet);
   for (std::uint32_t k = 0; k < n; ++k) {
     const std::uint32_t i = ahead ? k : n - 1 - k;
     const std::uint32_t edge = corners[ahead ? i : i == 0 ? n - 1 : i - 1].edge;  // the one that leaves this corner in this direction
     const VertexRay& ray = tables_.rays[corners[i].vertex];
-    cone->corners()[k] = {{ray.r[0], ray.r[1], ray.r[2]}, EdgeRef(edge >> 1, ((edge & 1) != 0) == ahead), corners[i].vertex};
+    cone->corners()[k] = {{ray.r[0], ray.r[1], ray.r[2]}, EdgeRef((edge >> 1) + shift, ((edge & 1) != 0) == ahead), corners[i].vertex};
     cone->error = std::max(cone->error, ray.error);
   }
   return cone;
@@ -257,14 +288,14 @@ void LightTree::build(const std::vector<std::uint32_t>& order) {
     std::vector<ConeCorner> corners;
   };
   const std::size_t cell_count = prefix_->cell_count();
-  cells_.assign(cell_count, CellTree(tables_));
+  cells_.resize(cell_count, CellTree(tables_));
+  for (CellTree& cell : cells_) cell.clear();
   std::vector<Chunk> chunks((order.size() + chunk_size - 1) / chunk_size);
-  tbb::enumerable_thread_specific<Workspace> workspaces;
   const auto line_of = [this](std::uint32_t id) -> const Line& { return tables_.lines[id]; };
 
   if (cell_count > 1) {
     parallel(chunks.size(), 1, [&](std::size_t c) {
-      Workspace& w = workspaces.local();
+      Workspace& w = workspaces_.local();
       Chunk& chunk = chunks[c];
       for (std::size_t i = c * chunk_size; i < std::min(order.size(), (c + 1) * chunk_size); ++i) {
         Cone* whole = cone_of_facet(order[i], w.pool);
@@ -298,7 +329,7 @@ void LightTree::build(const std::vector<std::uint32_t>& order) {
   }
   Progress progress(options_.progress, 0, 0.8, std::max(order.size(), refs.size()));
   parallel(cell_count, 1, [&](std::size_t cell) {
-    Workspace& w = workspaces.local();
+    Workspace& w = workspaces_.local();
     CellTree& tree = cells_[cell];
     if (cell_count == 1) {
       tree.reserve(order.size());
@@ -324,88 +355,135 @@ void LightTree::build(const std::vector<std::uint32_t>& order) {
     }
     progress.step(begin[cell + 1] - begin[cell]);
   });
-  locations_.assign(scene_.facets().size(), Location{});
-  for (std::size_t c = cells_.size(); c-- > 0;) cells_[c].link_locations(static_cast<std::uint32_t>(c), locations_);
+  if (!options_.edits) return;
+  locations_.assign(scene_.objects().size(), Location{});
+  for (std::size_t c = cells_.size(); c-- > 0;) {
+    for (std::size_t e = cells_[c].entries().size(); e-- > 0;) link_entry(static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(e));
+  }
+}
+
+// Puts an entry in front of its object's location list.
+void LightTree::link_entry(std::uint32_t cell, std::uint32_t entry) {
+  Entry& e = cells_[cell].entries()[entry];
+  Location& head = locations_[tables_.object_of(e.facet)];
+  e.next = head;
+  head = {cell, entry};
+}
+
+// Sides turned away never entered: one shadowed fragment a facet, in a block of their own.
+void LightTree::emit_away(std::uint32_t i, CellOutput& away) const {
+  const Facet& facet = scene_.facets()[i];
+  const auto first = static_cast<std::uint32_t>(away.block.corners.size());
+  for (const Corner& c : scene_.corners_of(facet)) {
+    away.block.corners.push_back(scene_.vertices()[c.vertex]);
+    if (target().keep_lines) away.edge_lines.push_back(c.edge >> 1);
+  }
+  const FragmentId id{static_cast<std::uint32_t>(cells_.size()), i, none};
+  away.block.fragments.push_back({id, facet.face, i, none, first, facet.corner_count, false, area_of_facet(target(), i, false)});
 }
 
 void LightTree::emit() {
-  const bool conforming = options_.form == Form::conforming;
-  const EmitTarget target{scene_, space_, tables_, conforming};
+  const EmitTarget to = target();
   std::vector<CellOutput> outputs(cells_.size() + 1);
-  tbb::enumerable_thread_specific<Workspace> workspaces;
   Progress progress(options_.progress, 0.8, 1, cells_.size());
   parallel(cells_.size(), 1, [&](std::size_t cell) {
-    emit_cell(cells_[cell], static_cast<std::uint32_t>(cell), options_.form != Form::pieces, target, workspaces.local(), outputs[cell]);
+    emit_cell(cells_[cell], static_cast<std::uint32_t>(cell), options_.form != Form::pieces, to, workspaces_.local(), outputs[cell]);
     progress.step();
   });
-  // Sides turned away never entered: one shadowed fragment a facet, in a block of their own.
-  CellOutput& away = outputs.back();
   for (std::uint32_t i = 0; i < scene_.facets().size(); ++i) {
-    const Facet& facet = scene_.facets()[i];
-    if (facet.corner_count == 0 || (facing_[i] != Facing::away && facing_[i] != Facing::out_of_reach)) continue;
-    const auto first = static_cast<std::uint32_t>(away.block.corners.size());
-    for (const Corner& c : scene_.corners_of(facet)) {
-      away.block.corners.push_back(scene_.vertices()[c.vertex]);
-      if (conforming) away.edge_lines.push_back(c.edge >> 1);
-    }
-    const FragmentId id{static_cast<std::uint32_t>(cells_.size()), i, none};
-    away.block.fragments.push_back({id, facet.face, i, none, first, facet.corner_count, false, area_of_facet(target, i, false)});
+    if (stands_away(i)) emit_away(i, outputs.back());
   }
   // Areas first: conforming moves corners by their last bits, and leaves out slivers that are nothing but those.
-  shadows_.areas.assign(scene_.faces().size(), {});
+  fragment_areas_.assign(scene_.faces().size(), {});
   for (const CellOutput& o : outputs) {
-    for (const Fragment& f : o.block.fragments) (f.lit ? shadows_.areas[f.face].lit : shadows_.areas[f.face].shadowed) += f.area;
+    for (const Fragment& f : o.block.fragments) (f.lit ? fragment_areas_[f.face].lit : fragment_areas_[f.face].shadowed) += f.area;
   }
-  if (conforming) make_conforming(scene_, outputs);
+  if (options_.form == Form::conforming) make_conforming(scene_, outputs);
+  shadows_.blocks.clear();
   shadows_.blocks.reserve(outputs.size());
   for (CellOutput& o : outputs) shadows_.blocks.push_back(std::move(o.block));
+}
+
+// How a face stands to the light, and its whole area, which is not taken from its fragments, so that their sum can be held against it.
+FaceArea LightTree::whole_area(std::uint32_t f) const {
+  const Face& face = scene_.faces()[f];
+  FaceArea out;
+  for (std::uint32_t i = face.first_facet; i < face.first_facet + face.facet_count; ++i) {
+    out.facing = std::max(out.facing, facing_[i]);
+    if (facing_[i] != Facing::ignored) out.area += area_of_facet(target(), i, facing_[i] == Facing::toward);
+  }
+  if (out.facing == Facing::ignored) out.area = face.area;
+  return out;
 }
 
 void LightTree::sum_up() {
   Stats& s = shadows_.stats;
   auto& areas = shadows_.areas;
-  for (std::size_t i = 0; i < facing_.size(); ++i) {
-    if (scene_.facets()[i].corner_count == 0) continue;
-    areas[scene_.facets()[i].face].facing = std::max(areas[scene_.facets()[i].face].facing, facing_[i]);
-  }
-  for (std::size_t f = 0; f < areas.size(); ++f) {
-    if (areas[f].facing == Facing::ignored) areas[f].area = scene_.faces()[f].area;
-  }
-  for (const Block& block : shadows_.blocks) {
-    s.bytes += block.fragments.size() * sizeof(Fragment) + block.corners.size() * sizeof(Vec3);
-    for (const Fragment& f : block.fragments) {
-      if (areas[f.face].facing == Facing::toward) ++(f.lit ? s.lit_fragments : s.shadowed_fragments);
+  areas.assign(scene_.faces().size(), {});
+  for (std::uint32_t f = 0; f < areas.size(); ++f) areas[f] = whole_area(f);
+  if (is_live()) {
+    units_.assign(areas.size(), {});
+    facing_area_ = lit_area_ = shadowed_area_ = {};
+    for (std::uint32_t f = 0; f < areas.size(); ++f) {
+      s.faces += scene_.faces()[f].object != none;
+      count_face(areas[f], true);
+      units_[f].unit = unit_for(areas[f].area);
     }
-  }
-  // A face's area is not taken from its fragments, so that their sum can be held against it.
-  const EmitTarget target{scene_, space_, tables_, false};
-  for (std::uint32_t i = 0; i < facing_.size(); ++i) {
-    if (facing_[i] == Facing::ignored || scene_.facets()[i].corner_count == 0) continue;
-    areas[scene_.facets()[i].face].area += area_of_facet(target, i, facing_[i] == Facing::toward);
-  }
-  for (const FaceArea& a : areas) {
-    ++s.faces;
-    if (a.facing != Facing::toward) continue;
-    ++s.facing_faces;
-    s.facing_area += a.area, s.lit_area += a.lit, s.shadowed_area += a.shadowed;
+    for (LiveCell& cell : live_) {
+      for (const LiveCell::AreaChange& change : cell.area_changes()) absorb(change);
+      cell.area_changes().clear();
+    }
+    for (const Fragment& f : shadows_.blocks.back().fragments) absorb({f.face, f.lit, true, f.area});
+  } else {
+    for (const FaceArea& sum : fragment_areas_) {
+      FaceArea& area = areas[static_cast<std::size_t>(&sum - fragment_areas_.data())];
+      area.lit = sum.lit, area.shadowed = sum.shadowed;
+    }
+    for (const Block& block : shadows_.blocks) {
+      for (const Fragment& f : block.fragments) {
+        if (areas[f.face].facing == Facing::toward) ++(f.lit ? s.lit_fragments : s.shadowed_fragments);
+      }
+    }
+    for (std::uint32_t f = 0; f < areas.size(); ++f) {
+      s.faces += scene_.faces()[f].object != none;
+      if (areas[f].facing != Facing::toward) continue;
+      ++s.facing_faces;
+      s.facing_area += areas[f].area, s.lit_area += areas[f].lit, s.shadowed_area += areas[f].shadowed;
+    }
   }
   s.facets = static_cast<std::uint64_t>(std::count(enters_.begin(), enters_.end(), 1));
   s.cells = cells_.size();
-  s.nodes = prefix_->nodes().size();
-  s.sp_nodes = s.nodes;
+  s.nodes = s.sp_nodes = prefix_->nodes().size();
   for (std::size_t c = 0; c < cells_.size(); ++c) {
-    const CellTree& tree = cells_[c];
-    s.nodes += tree.nodes().size();
-    s.sp_nodes += tree.nodes().size() - tree.pp_nodes();
-    s.pp_nodes += tree.pp_nodes();
-    s.pieces += tree.pieces().size();
-    s.crossing_lines += tree.local_lines();
-    s.predicates += tree.counts().predicates;
-    s.on += tree.counts().on;
-    s.depth = std::max(s.depth, prefix_->depth_of(static_cast<std::uint32_t>(c)) + tree.depth());
-    s.bytes += tree.bytes();
+    add_sums(sums_of(c), true);
+    s.depth = std::max(s.depth, prefix_->depth_of(static_cast<std::uint32_t>(c)) + cells_[c].depth());
   }
   s.bytes += tables_.lines.size() * sizeof(Line) + tables_.rays.size() * sizeof(VertexRay) + tables_.planes.size() * sizeof(PlaneRay);
+}
+
+LightTree::CellSums LightTree::sums_of(std::size_t c) const {
+  const CellTree& tree = cells_[c];
+  const Block& block = shadows_.blocks[c];
+  const TreeCounts& n = tree.counts();
+  return {tree.live_nodes(),
+          tree.pp_nodes(),
+          tree.live_pieces(),
+          tree.local_lines(),
+          n.predicates,
+          n.on,
+          tree.marked_nodes(),
+          n.joined,
+          n.deferred,
+          tree.bytes() + block.fragments.size() * sizeof(Fragment) + block.corners.size() * sizeof(Vec3) +
+              (c < live_.size() ? live_[c].bytes() : 0)};
+}
+
+void LightTree::add_sums(const CellSums& n, bool more) {
+  Stats& s = shadows_.stats;
+  const auto add = [more](std::uint64_t& sum, std::uint64_t k) { more ? sum += k : sum -= k; };
+  add(s.nodes, n.nodes), add(s.sp_nodes, n.nodes - n.pp_nodes), add(s.pp_nodes, n.pp_nodes), add(s.pieces, n.pieces);
+  add(s.crossing_lines, n.crossing_lines), add(s.predicates, n.predicates), add(s.on, n.on), add(s.marked_nodes, n.marked);
+  add(s.joined, n.joined), add(s.deferred, n.deferred), add(s.bytes, n.bytes);
 }
 
 }  // namespace shadowcut

@@ -1,23 +1,41 @@
-// Everything the engine holds for one light: light space, the prefix, its cells' trees, and the shadows.
+// Everything the engine holds for one light: light space, the prefix, its cells' trees, and the shadows. Made in light_tree.cpp, edited in
+// light_tree_edit.cpp.
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
+
+#include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "emit.hpp"
+#include "live.hpp"
 #include "prefix.hpp"
 
 namespace shadowcut {
 
+// A sum of doubles that loses next to nothing, however often something is added and taken away again (Knuth's two-sum).
+class Sum {
+ public:
+  void add(double x) {
+    const double s = high_ + x, part = s - high_;
+    low_ += (high_ - (s - part)) + (x - part);
+    high_ = s;
+  }
+  double value() const { return high_ + low_; }
+
+ private:
+  double high_ = 0, low_ = 0;
+};
+
 class LightTree {
  public:
   LightTree(const Scene& scene, const Light& light, const Options& options);
-  // Builds everything anew, for a light that may be another one; uses its memory again.
-  void rebuild(const Light& light);
 
   const Shadows& shadows() const { return shadows_; }
-  Shadows take_shadows() { return std::exchange(shadows_, {}); }
+  Shadows take_shadows() { return std::move(shadows_); }
   const LightSpace& space() const { return space_; }
   const LightTables& tables() const { return tables_; }
   const Prefix& prefix() const { return *prefix_; }
@@ -30,15 +48,96 @@ class LightTree {
   bool forward(std::uint32_t facet) const { return turned_[facet] == Turned::toward ? space_.handedness() > 0 : space_.handedness() < 0; }
   bool front_lit(std::uint32_t facet) const { return turned_[facet] == Turned::toward; }
 
+  // An update is one call of begin_update, any number of edits, and finish_update, which says what has changed.
+  //   rebuild        everything anew, for a light that may be another one; uses its memory again
+  //   remove_objects takes objects out, while the scene still holds them as they were inserted
+  //   insert_objects puts them, or what the scene now holds in their place, in again. The same objects must have been removed.
+  void begin_update();
+  void rebuild(const Light& light);
+  void remove_objects(std::span<const std::uint32_t> objects);
+  void insert_objects(std::span<const std::uint32_t> objects);
+  void finish_update(LightChanges& changes);
+  void rebuild_to_nothing(LightChanges& changes);  // instead of all that: the light is gone
+
+  const Fragment* find(FragmentId id) const;
+
  private:
+  struct LineBlock {             // line ids of one object's edges, at one of its poses
+    std::uint32_t first, count;  // ids
+    std::uint32_t kept;          // planes left behind that still use them
+    bool orphan;                 // its object has gone elsewhere
+  };
+  struct CellSums {  // what a cell adds to the statistics
+    std::uint64_t nodes = 0, pp_nodes = 0, pieces = 0, crossing_lines = 0, predicates = 0, on = 0, marked = 0, joined = 0, deferred = 0,
+                  bytes = 0;
+  };
+  struct Units {  // a face's areas as whole numbers of a unit of its own, so that adding and taking away is exact
+    double unit = 1;
+    std::int64_t lit = 0, shadowed = 0;
+  };
+  struct Old {
+    std::uint32_t face;
+    FaceArea area;
+  };
+
+  // light_tree.cpp
   void build_all();
+  void refer_to_scene();
+  bool reached(std::uint32_t face) const;
+  void face_facet(std::uint32_t facet, bool reached, bool holds_light);
+  bool holds_light(const Object& object) const;
   void face_the_light();
+  void make_ray(std::uint32_t vertex) { tables_.rays[vertex] = space_.ray(scene_.vertices()[vertex]); }
+  void make_line(std::uint32_t edge, std::uint32_t id);
+  void make_plane(std::uint32_t plane) { tables_.planes[plane] = space_.plane(scene_.planes()[plane]); }
   void fill_tables();
+  double solid_angle(std::uint32_t facet) const;
+  std::vector<std::uint32_t> by_object(std::span<const std::uint32_t> objects, const std::function<double(std::uint32_t)>& size_of) const;
   std::vector<std::uint32_t> insertion_order(std::vector<Vec3>& centers) const;
   Cone* cone_of_facet(std::uint32_t facet, ConePool& pool) const;
   void build(const std::vector<std::uint32_t>& order);
+  void link_entry(std::uint32_t cell, std::uint32_t entry);
+  EmitTarget target() const { return {scene_, space_, tables_, options_.form == Form::conforming}; }
+  bool stands_away(std::uint32_t facet) const {  // never entered, and is shadowed whole
+    return scene_.facets()[facet].corner_count != 0 && (facing_[facet] == Facing::away || facing_[facet] == Facing::out_of_reach);
+  }
+  bool is_live() const { return options_.edits && options_.form != Form::conforming; }
   void emit();
+  void emit_live();
+  void emit_away(std::uint32_t facet, CellOutput& away) const;
+  FaceArea whole_area(std::uint32_t face) const;
   void sum_up();
+  CellSums sums_of(std::size_t cell) const;
+  void add_sums(const CellSums& sums, bool more);
+
+  std::string validate_books() const;
+
+  // light_tree_edit.cpp
+  void start_edits();
+  void note_everything();
+  template <class Edit>
+  void edit_cells(std::span<const std::uint32_t> cells, std::size_t work, const Edit& edit);
+  void note(std::uint32_t face);
+  void note_location_list(std::uint32_t object);
+  void grow();
+  void face_object(std::uint32_t object);
+  void count_line(std::uint32_t line, bool kept);
+  void leave_lines(std::uint32_t object);
+  void give_lines_back(std::uint32_t object);
+  void take_lines(std::uint32_t object);
+  void remove_away(std::uint32_t facet);
+  void insert_away(std::uint32_t facet);
+  static double unit_for(double area);
+  void count_face(const FaceArea& area, bool more);
+  void set_area(std::uint32_t face, const FaceArea& area);
+  void absorb(std::span<const std::uint32_t> cells);
+  void absorb(const LiveCell::AreaChange& change);
+  bool suits_numbers(std::span<const std::uint32_t> objects) const;
+  void insert_into_cells(const std::vector<std::uint32_t>& order);
+  void emit_again();
+  void list_changes(LightChanges& changes);
+  void list_all(LightChanges& changes) const;
+  void list_differences(LightChanges& changes) const;
 
   const Scene& scene_;
   Options options_;
@@ -50,8 +149,33 @@ class LightTree {
   std::vector<std::uint8_t> enters_;  // by facet
   std::unique_ptr<Prefix> prefix_;
   std::vector<CellTree> cells_;
-  std::vector<Location> locations_;  // by facet: the head of its location list (CS95, section 3)
   Shadows shadows_;
+  tbb::enumerable_thread_specific<Workspace> workspaces_;
+
+  // For edits.
+  std::vector<LiveCell> live_;            // by cell
+  std::vector<Location> locations_;       // by object: the head of its location list (CS95, section 3)
+  std::vector<std::uint32_t> away_;       // by facet: index of its fragment in the last block, or none
+  RangeList away_corners_;                // of the last block
+  std::vector<std::uint32_t> away_born_;  // by facet: the update in which it came
+  std::vector<Units> units_;              // by face
+  std::vector<FaceArea> fragment_areas_;  // by face: sums of what emit() handed out
+  Sum facing_area_, lit_area_, shadowed_area_;
+  std::vector<LineBlock> line_blocks_;
+  std::vector<std::uint32_t> block_of_object_, block_of_line_;  // indices into line_blocks_, or none
+  std::multimap<std::uint32_t, std::uint32_t> free_blocks_;     // by count
+
+  // Of this update.
+  std::uint32_t update_ = 0;
+  bool rebuilt_ = false, edited_ = false;
+  std::vector<std::uint32_t> touched_, touched_in_;  // cells; and by cell: the update in which it was touched last
+  std::vector<CellSums> sums_;                       // by cell: as the statistics know them
+  std::vector<std::uint32_t> batch_;                 // cells changed since objects were removed
+  std::vector<FragmentId> gone_;                     // besides those the cells know of
+  std::vector<FragmentId> away_added_;
+  std::vector<Old> noted_;               // faces that may have changed, as they were
+  std::vector<std::uint32_t> noted_in_;  // by face: the update in which it was noted last
+  std::vector<Block> before_;            // where fragments do not know whether they are new
 };
 
 // Whether any point of the facet is within the light's range and cone.

@@ -49,7 +49,8 @@ class Prefix {
         const Node& node = nodes_[here.index()];
         const Line& line = lines(node.line);
         Cone* cut_off;
-        here = node.side[sift(cone, line.n, line.error, node.line, rays, lines, pool, spill, cut_off, on)];
+        here = node.side[sift(
+            cone, line.n, line.error, node.line, rays, lines, [](EdgeRef) { return true; }, pool, spill, cut_off, on)];
         if (cut_off) {
           cut_off->at = node.side[1].bits;
           pending.push_back(cut_off);

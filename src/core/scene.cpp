@@ -445,6 +445,15 @@ void Scene::copy_objects(const Scene& from, std::span<const std::uint32_t> indic
     copy(corners_, from.corners_, corner_array);
     copy(faces_, from.faces_, face_array);
   }
+  for (const Issue& i : from.issues_) {
+    if (std::find(indices.begin(), indices.end(), i.object) != indices.end()) issues_.push_back(i);
+  }
+}
+
+void Scene::copy_lights(const Scene& from) {
+  lights_ = from.lights_;
+  light_slots_ = from.light_slots_;
+  free_lights_ = from.free_lights_;
 }
 
 }  // namespace shadowcut

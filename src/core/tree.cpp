@@ -3,10 +3,37 @@
 #include <algorithm>
 #include <cmath>
 
+#include "live.hpp"
+
 namespace shadowcut {
 
-void CellTree::insert(Cone* cone, Workspace& w) {
-  cone->at = root_place;
+void CellTree::clear() {
+  live_ = nullptr;
+  root_ = Child::out();
+  nodes_.clear(), links_.clear(), pieces_.clear(), entries_.clear(), corners_.clear(), local_lines_.clear();
+  free_corners_.clear();
+  free_nodes_.clear(), free_pieces_.clear(), free_entries_.clear(), free_lines_.clear(), idle_lines_.clear();
+  pp_nodes_ = marked_nodes_ = 0;
+  counts_ = {};
+}
+
+std::uint32_t CellTree::insert(Cone* cone, Workspace& w) {
+  std::uint32_t entry;
+  if (free_entries_.empty()) {
+    entry = static_cast<std::uint32_t>(entries_.size());
+    entries_.emplace_back();
+  } else {
+    entry = free_entries_.back();
+    free_entries_.pop_back();
+  }
+  entries_[entry] = {cone->facet, none, 0, {}};
+  cone->entry = entry;
+  insert_at(cone, root_place, w);
+  return entry;
+}
+
+void CellTree::insert_at(Cone* cone, std::uint32_t place, Workspace& w) {
+  cone->at = place;
   w.pending.push_back(cone);
   while (!w.pending.empty()) {
     Cone* next = w.pending.back();
@@ -24,9 +51,16 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
     const Child here = child_at(place);
     if (here.is_sp()) {
       const Node& node = nodes_[here.node()];
+      // A node of another object may go while this face stays: it serves as an end only where it cuts the face itself.
+      const auto bounds = [&](EdgeRef) {
+        if (!tables_->edits) return true;
+        const std::uint32_t owner = links_[here.node()].owner;
+        return owner != marked && tables_->object_of(pieces_[owner].facet) == tables_->faces[facet.face].object;
+      };
       counts_.predicates += cone->count;
       Cone* cut_off;
-      place = here.node() * 2 + sift(cone, node.n, node.error, node.id, tables_->rays, line_of, w.pool, w.spill, cut_off, counts_.on);
+      place =
+          here.node() * 2 + sift(cone, node.n, node.error, node.id, tables_->rays, line_of, bounds, w.pool, w.spill, cut_off, counts_.on);
       if (cut_off) {
         cut_off->at = here.node() * 2 + 1;
         w.pending.push_back(cut_off);
@@ -35,33 +69,35 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
     }
 
     if (here.is_out()) {
-      if (tables_->casts(cone->facet)) {
-        attach(*cone, place);
-      } else {
-        const std::uint32_t first = here.first_piece();
-        const std::uint32_t piece = store(*cone, Piece::Kind::at_leaf, place);
-        pieces_[piece].next = first == Child::nothing ? none : first;
-        slot(place) = Child::out(piece);
+      if (!tables_->casts(cone->facet)) {
+        rest_at_leaf(store(*cone, Piece::Kind::at_leaf, place), place);
+        break;
       }
+      // What rested here without casting goes on from here, below the new shadow volume.
+      for (std::uint32_t p = here.is_empty() ? none : here.first_piece(); p != none;) {
+        const std::uint32_t next = pieces_[p].next;
+        w.pending.push_back(cone_of(pieces_[p], w.pool));
+        w.pending.back()->at = place;
+        unlink(p);
+        release_piece(p);
+        p = next;
+      }
+      attach(*cone, place);
       break;
     }
 
     const std::uint32_t pp = here.node();
     const Node& node = nodes_[pp];
-    const std::uint32_t other = tables_->facets[pieces_[node.id].facet].plane;
-    if (other == facet.plane) {  // two facets of one face
+    if (tables_->facets[pieces_[node.id].facet].plane == facet.plane) {  // two facets of one face
       add_to_list(store(*cone, Piece::Kind::coplanar, pp), pp);
       break;
     }
-    const double d[3] = {own.q[0] - node.n[0], own.q[1] - node.n[1], own.q[2] - node.n[2]};
-    const double size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
-    const double d_error = static_cast<double>(own.error) + static_cast<double>(node.error) + 2 * unit_roundoff * size;
-    const double bound = d_error + size * (static_cast<double>(cone->error) + sign_slack);
-    const Signs signs(*cone, d, bound, w.spill);
+    const PlaneDifference nearer(own, node.n, node.error);
+    const Signs signs(*cone, nearer.d, nearer.bound(*cone), w.spill);
     counts_.predicates += cone->count;
     counts_.on += signs.on();
     if (signs.positive() && signs.negative()) {
-      const std::uint32_t cut = crossing_line(d, d_error);
+      const std::uint32_t cut = add_local_line(nearer.line());
       Cone *front, *behind;
       split(*cone, signs, line(cut).n, line(cut).error, cut, false, tables_->rays, line_of, w.pool, front, behind);
       w.pool.give_back(cone);
@@ -83,63 +119,155 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
 
 // Replaces a leaf by the shadow volume of a piece: an SP-node for each edge that the cell does not already end at, then its PP-node.
 void CellTree::attach(Cone& cone, std::uint32_t place) {
+  const std::uint32_t leaf = place;
   const std::uint32_t piece = store(cone, Piece::Kind::owner, place);
   for (std::uint32_t i = 0; i < cone.count; ++i) {
     const EdgeRef e = cone.corners()[i].edge;
     if (e.bounded()) continue;
     const Line& l = line(e.line());
     const std::uint32_t node = add_node(l.n, l.error, e.line(), place, piece);
+    count_use(e.line(), true);
     slot(place) = Child::sp(node);
     place = node * 2 + (e.negative() ? 1u : 0u);
   }
   const PlaneRay& q = tables_->planes[tables_->facets[cone.facet].plane];
-  const std::uint32_t pp = add_node(q.q, q.error, piece, place, none);
+  const std::uint32_t pp = add_node(q.q, q.error, piece, place, piece);
   slot(place) = Child::pp(pp);
   ++pp_nodes_;
   pieces_[piece].place = pp;
+  if (live_) live_->changed(leaf);
+}
+
+// A child in its place, and told so.
+void CellTree::put(std::uint32_t place, Child child) {
+  slot(place) = child;
+  if (!child.is_out()) {
+    links_[child.node()].parent = place;
+  } else if (!child.is_empty()) {
+    for (std::uint32_t p = child.first_piece(); p != none; p = pieces_[p].next) pieces_[p].place = place;
+  }
 }
 
 std::uint32_t CellTree::store(const Cone& cone, Piece::Kind kind, std::uint32_t place) {
-  const auto id = static_cast<std::uint32_t>(pieces_.size());
-  pieces_.push_back({cone.facet, static_cast<std::uint32_t>(corners_.size()), cone.count, cone.error, place, none, kind, {}});
-  corners_.insert(corners_.end(), cone.corners(), cone.corners() + cone.count);
+  std::uint32_t id;
+  if (free_pieces_.empty()) {
+    id = static_cast<std::uint32_t>(pieces_.size());
+    pieces_.emplace_back();
+  } else {
+    id = free_pieces_.back();
+    free_pieces_.pop_back();
+  }
+  Entry& entry = entries_[cone.entry];
+  pieces_[id] = {cone.facet, 0, 0, cone.error, place, none, none, cone.entry, entry.first, none, kind};
+  if (entry.first != none) pieces_[entry.first].before = id;
+  entry.first = id;
+  ++entry.pieces;
+  set_corners(id, cone.span());
+  if (live_) live_->piece_added(id);
   return id;
 }
 
+void CellTree::set_corners(std::uint32_t piece, std::span<const ConeCorner> corners) {
+  Piece& p = pieces_[piece];
+  p.corner_count = static_cast<std::uint32_t>(corners.size());
+  p.first_corner = free_corners_.take(corners_, p.corner_count);
+  std::copy(corners.begin(), corners.end(), corners_.begin() + p.first_corner);
+  for (const ConeCorner& c : corners) count_use(c.edge.line(), true);
+}
+
+void CellTree::release_corners(const Piece& p) {
+  for (const ConeCorner& c : corners(p)) count_use(c.edge.line(), false);
+  free_corners_.give_back(p.first_corner, p.corner_count);
+}
+
 void CellTree::add_to_list(std::uint32_t piece, std::uint32_t pp) {
-  pieces_[piece].next = links_[pp].owner;
-  links_[pp].owner = piece;
+  std::uint32_t& first = links_[pp].first;
+  pieces_[piece].next = first;
+  if (first != none) pieces_[first].previous = piece;
+  first = piece;
+  if (reuniting_) reunite_in_list(piece, pp);
+}
+
+void CellTree::rest_at_leaf(std::uint32_t piece, std::uint32_t place) {
+  const Child leaf = child_at(place);
+  if (!leaf.is_empty()) {
+    pieces_[piece].next = leaf.first_piece();
+    pieces_[leaf.first_piece()].previous = piece;
+  }
+  slot(place) = Child::out(piece);
+}
+
+// Out of the list of the piece's place. Owners are in none.
+void CellTree::unlink(std::uint32_t piece) {
+  const Piece& p = pieces_[piece];
+  if (p.next != none) pieces_[p.next].previous = p.previous;
+  if (p.previous != none) {
+    pieces_[p.previous].next = p.next;
+  } else if (p.kind == Piece::Kind::at_leaf) {
+    slot(p.place) = p.next == none ? Child::out() : Child::out(p.next);
+  } else {
+    links_[p.place].first = p.next;
+  }
+}
+
+// Out of its entry, with its fragments; it has been taken out of its place.
+void CellTree::release_piece(std::uint32_t piece) {
+  if (live_) live_->drop_piece(piece);
+  Piece& p = pieces_[piece];
+  Entry& entry = entries_[p.entry];
+  (p.before == none ? entry.first : pieces_[p.before].after) = p.after;
+  if (p.after != none) pieces_[p.after].before = p.before;
+  --entry.pieces;
+  release_corners(p);
+  p.kind = Piece::Kind::free;
+  free_pieces_.push_back(piece);
 }
 
 std::uint32_t CellTree::add_node(const double n[3], float error, std::uint32_t id, std::uint32_t parent, std::uint32_t owner) {
-  const auto index = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.push_back({{n[0], n[1], n[2]}, error, {Child::out(), Child::out()}, id});
-  links_.push_back({parent, owner});
+  const Node node{{n[0], n[1], n[2]}, error, {Child::out(), Child::out()}, id};
+  const NodeLinks links{parent, owner, none};
+  if (free_nodes_.empty()) {
+    nodes_.push_back(node);
+    links_.push_back(links);
+    return static_cast<std::uint32_t>(nodes_.size() - 1);
+  }
+  const std::uint32_t index = free_nodes_.back();
+  free_nodes_.pop_back();
+  nodes_[index] = node;
+  links_[index] = links;
   return index;
 }
 
-std::uint32_t CellTree::crossing_line(const double d[3], double error) {
-  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-  const double relative = error / length + 2 * unit_roundoff;
-  local_lines_.push_back(
-      {{d[0] / length, d[1] / length, d[2] / length}, std::nextafter(static_cast<float>(relative), INFINITY), none, none});
-  return static_cast<std::uint32_t>(tables_->lines.size() + local_lines_.size() - 1);
+std::uint32_t CellTree::add_local_line(const Line& line) {
+  std::uint32_t index;
+  if (free_lines_.empty()) {
+    index = static_cast<std::uint32_t>(local_lines_.size());
+    local_lines_.push_back({line, 0});
+  } else {
+    index = free_lines_.back();
+    free_lines_.pop_back();
+    local_lines_[index] = {line, 0};
+  }
+  return first_local_line + index;
+}
+
+void CellTree::count_use(std::uint32_t line, bool more) {
+  if (line < first_local_line) return;
+  std::uint32_t& uses = local_lines_[line - first_local_line].uses;
+  if (more) {
+    ++uses;
+  } else if (--uses == 0) {
+    idle_lines_.push_back(line - first_local_line);
+  }
 }
 
 Cone* CellTree::cone_of(const Piece& piece, ConePool& pool) const {
   Cone* cone = pool.take(piece.corner_count + 1);
   cone->facet = piece.facet;
+  cone->entry = piece.entry;
   cone->error = piece.error;
   cone->assign(corners(piece));
   return cone;
-}
-
-void CellTree::link_locations(std::uint32_t cell, std::vector<Location>& heads) {
-  for (std::size_t i = pieces_.size(); i-- > 0;) {
-    Location& head = heads[pieces_[i].facet];
-    pieces_[i].location = head;
-    head = {cell, static_cast<std::uint32_t>(i)};
-  }
 }
 
 // Generous figures: pages that are never written cost nothing, moving a vector does. Scenes that need more get it.
@@ -147,20 +275,26 @@ void CellTree::reserve(std::size_t facets) {
   nodes_.reserve(facets * 16);
   links_.reserve(facets * 16);
   pieces_.reserve(facets * 8);
+  entries_.reserve(facets);
   corners_.reserve(facets * 36);
 }
 
 std::uint64_t CellTree::bytes() const {
   return nodes_.size() * sizeof(Node) + links_.size() * sizeof(NodeLinks) + pieces_.size() * sizeof(Piece) +
-         corners_.size() * sizeof(ConeCorner) + local_lines_.size() * sizeof(Line);
+         entries_.size() * sizeof(Entry) + corners_.size() * sizeof(ConeCorner) + local_lines_.size() * sizeof(LocalLine);
 }
 
 std::uint64_t CellTree::depth() const {
-  std::vector<std::uint32_t> depth(nodes_.size());
-  std::uint32_t deepest = 0;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {  // parents come before their children
-    depth[i] = links_[i].parent == root_place ? 1 : depth[links_[i].parent >> 1] + 1;
-    deepest = std::max(deepest, depth[i]);
+  std::uint64_t deepest = 0;
+  std::vector<std::pair<Child, std::uint64_t>> pending{{root_, 0}};
+  while (!pending.empty()) {
+    const auto [here, above] = pending.back();
+    pending.pop_back();
+    deepest = std::max(deepest, above);
+    if (here.is_out()) continue;
+    const Node& node = nodes_[here.node()];
+    pending.emplace_back(node.child[0], above + 1);
+    if (here.is_sp()) pending.emplace_back(node.child[1], above + 1);
   }
   return deepest;
 }

@@ -14,9 +14,14 @@ double bound_for(float n_error, float cone_error) { return static_cast<double>(n
 }  // namespace
 
 std::string CellTree::validate() const {
-  // 1. Nodes form a tree: each is reached exactly once, parents come before children, and links lead back.
+  // 1. Nodes form a tree: each that is not released is reached exactly once, and links lead back.
   std::vector<std::uint8_t> is_pp(nodes_.size(), 0), reached(nodes_.size(), 0);
   std::vector<std::uint8_t> held(pieces_.size(), 0);
+  std::vector<std::uint32_t> uses(local_lines_.size(), 0);
+  const auto use = [&uses](std::uint32_t line) {
+    if (line >= first_local_line) ++uses[line - first_local_line];
+  };
+  std::size_t marks = 0;
   std::vector<std::uint32_t> pending{root_place};
   while (!pending.empty()) {
     const std::uint32_t place = pending.back();
@@ -34,17 +39,26 @@ std::string CellTree::validate() const {
     const std::uint32_t node = here.node();
     if (node >= nodes_.size() || reached[node]++) return say("a node is missing or reached twice", node);
     if (links_[node].parent != place) return say("a node's link does not lead back", node);
-    if (place != root_place && (place >> 1) >= node) return say("a child comes before its parent", node);
     is_pp[node] = here.is_pp();
     pending.push_back(node * 2);
-    if (here.is_sp()) pending.push_back(node * 2 + 1);
+    if (here.is_sp()) {
+      pending.push_back(node * 2 + 1);
+      const std::uint32_t owner = links_[node].owner;
+      if (owner == marked) {
+        ++marks;
+        if (nodes_[node].child[0].is_empty() || nodes_[node].child[1].is_empty()) return say("a marked node has an empty side", node);
+      } else if (owner >= pieces_.size() || pieces_[owner].kind != Piece::Kind::owner) {
+        return say("an SP-node's owner owns nothing", node);
+      }
+      use(nodes_[node].id);
+    }
     if (!here.is_pp()) continue;
     // 3. A PP-node has an owner that casts, and a list of pieces behind it or coplanar with it; each knows the node.
     const std::uint32_t owner = nodes_[node].id;
     if (owner >= pieces_.size() || held[owner]++) return say("a PP-node's owner is missing or owns twice", node);
     if (pieces_[owner].kind != Piece::Kind::owner || pieces_[owner].place != node) return say("a PP-node's owner does not know it", node);
     if (!tables_->casts(pieces_[owner].facet)) return say("a PP-node's owner does not cast", node);
-    for (std::uint32_t p = links_[node].owner; p != none; p = pieces_[p].next) {
+    for (std::uint32_t p = links_[node].first; p != none; p = pieces_[p].next) {
       if (p >= pieces_.size() || held[p]++) return say("a PP-node's list is broken", node);
       if (pieces_[p].kind != Piece::Kind::behind && pieces_[p].kind != Piece::Kind::coplanar)
         return say("a piece in a list is of the wrong kind", p);
@@ -52,16 +66,19 @@ std::string CellTree::validate() const {
     }
   }
   for (std::size_t i = 0; i < reached.size(); ++i) {
-    if (!reached[i]) return say("a node is not reached", i);
+    if (!reached[i] != (links_[i].owner == released)) return say("a node is not reached, or it is released and is", i);
   }
   for (std::size_t i = 0; i < held.size(); ++i) {
-    if (!held[i]) return say("a piece is nowhere in the tree", i);
+    if (!held[i] != (pieces_[i].kind == Piece::Kind::free)) return say("a piece is nowhere in the tree, or it is free and is", i);
   }
+  if (marks != marked_nodes_) return say("marked nodes are counted wrongly", marks);
 
   ConePool pool;
   std::vector<std::int8_t> spill;
   for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
     const Piece& piece = pieces_[p];
+    if (piece.kind == Piece::Kind::free) continue;
+    for (const ConeCorner& c : corners(piece)) use(c.edge.line());
     Cone* cone = cone_of(piece, pool);
     std::vector<std::uint8_t> edge_bounded(cone->count, 0);
     const std::uint32_t from = piece.kind == Piece::Kind::at_leaf ? piece.place : links_[piece.place].parent;
@@ -70,11 +87,8 @@ std::string CellTree::validate() const {
       if (is_pp[place >> 1]) {
         // 4. What stands in the front subtree of a PP-node is nowhere certainly behind its plane.
         const PlaneRay& own = tables_->planes[tables_->facets[piece.facet].plane];
-        const double d[3] = {own.q[0] - node.n[0], own.q[1] - node.n[1], own.q[2] - node.n[2]};
-        const double size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
-        const double bound = static_cast<double>(own.error) + static_cast<double>(node.error) +
-                             size * (static_cast<double>(cone->error) + 6 * unit_roundoff);
-        if (Signs(*cone, d, bound, spill).negative()) return say("a piece in front of a PP-node reaches behind it", p);
+        const PlaneDifference nearer(own, node.n, node.error);
+        if (Signs(*cone, nearer.d, nearer.bound(*cone), spill).negative()) return say("a piece in front of a PP-node reaches behind it", p);
         continue;
       }
       // 5. A piece lies on its cell's side of every SP-node above it.
@@ -86,49 +100,58 @@ std::string CellTree::validate() const {
         if (cone->corners()[i].edge.line() == node.id || (signs[i] == 0 && signs[j] == 0)) edge_bounded[i] = 1;
       }
     }
-    // 6. An owner's piece fills its PP-node's cell: an SP-node, of its own or another's, stands at every edge. (Edges that a plane of the
-    // prefix bounds are marked.)
+    // 6. An owner's piece fills its PP-node's cell: an SP-node, of its own or another's, or a plane of the prefix stands at every edge.
+    for (std::uint32_t l = tables_->first_prefix_line; l < tables_->first_prefix_line + tables_->prefix_lines; ++l) {
+      const Line& plane = tables_->lines[l];
+      const Signs signs(*cone, plane.n, bound_for(plane.error, cone->error), spill);
+      signs.for_each_on_edge([&](std::uint32_t i) { edge_bounded[i] = 1; });
+    }
     if (piece.kind == Piece::Kind::owner) {
       for (std::uint32_t i = 0; i < cone->count; ++i) {
-        if (!edge_bounded[i] && !cone->corners()[i].edge.bounded()) return say("an edge of a PP-node's owner has no SP-node", p);
+        if (!edge_bounded[i]) return say("an edge of a PP-node's owner has no SP-node", p);
       }
     } else if (piece.kind != Piece::Kind::at_leaf) {
       // 7. What is in a PP-node's list is nowhere certainly in front of its plane, and what is coplanar nowhere certainly off it.
       const Node& node = nodes_[piece.place];
       const PlaneRay& own = tables_->planes[tables_->facets[piece.facet].plane];
       if (tables_->facets[pieces_[node.id].facet].plane != tables_->facets[piece.facet].plane) {
-        const double d[3] = {own.q[0] - node.n[0], own.q[1] - node.n[1], own.q[2] - node.n[2]};
-        const double size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
-        const double bound = static_cast<double>(own.error) + static_cast<double>(node.error) +
-                             size * (static_cast<double>(cone->error) + 6 * unit_roundoff);
-        const Signs signs(*cone, d, bound, spill);
+        const PlaneDifference nearer(own, node.n, node.error);
+        const Signs signs(*cone, nearer.d, nearer.bound(*cone), spill);
         if (signs.positive() || (signs.negative() && piece.kind == Piece::Kind::coplanar))
           return say("a piece behind a PP-node reaches in front of it", p);
       }
     }
     pool.give_back(cone);
   }
+  // 8. A line of the cell's own is counted as often as nodes and pieces use it.
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    if (uses[i] != (local_lines_[i].uses == none ? 0 : local_lines_[i].uses)) return say("a line's uses are counted wrongly", i);
+  }
+  // 9. An entry holds its facet's pieces.
+  std::size_t listed = 0;
+  for (std::uint32_t e = 0; e < entries_.size(); ++e) {
+    std::uint32_t count = 0;
+    for (std::uint32_t p = entries_[e].facet == none ? none : entries_[e].first; p != none; p = pieces_[p].after, ++count) {
+      if (count > pieces_.size()) return say("an entry's list runs in a circle", e);
+      if (pieces_[p].entry != e || pieces_[p].facet != entries_[e].facet) return say("an entry holds another's piece", e);
+    }
+    if (entries_[e].facet != none && count != entries_[e].pieces) return say("an entry's pieces are counted wrongly", e);
+    listed += count;
+  }
+  if (listed != live_pieces()) return "a piece is in no entry";
   return {};
 }
 
 std::string LightTree::validate() const {
-  std::size_t pieces = 0;
   for (std::size_t c = 0; c < cells_.size(); ++c) {
-    if (std::string what = cells_[c].validate(); !what.empty()) return "cell " + std::to_string(c) + ": " + what;
-    pieces += cells_[c].pieces().size();
+    std::string what = cells_[c].validate();
+    if (what.empty() && is_live()) what = live_[c].validate(cells_[c], target(), shadows_.blocks[c]);
+    if (!what.empty()) return "cell " + std::to_string(c) + ": " + what;
   }
-  // 8. Location lists hold every piece once, under its own facet.
-  std::size_t listed = 0;
-  for (std::size_t f = 0; f < locations_.size(); ++f) {
-    for (Location l = locations_[f]; l.cell != none; l = cells_[l.cell].pieces()[l.piece].location) {
-      if (l.cell >= cells_.size() || l.piece >= cells_[l.cell].pieces().size()) return say("a location leads nowhere", f);
-      if (cells_[l.cell].pieces()[l.piece].facet != f) return say("a location leads to another facet's piece", f);
-      if (++listed > pieces) return say("location lists run in a circle", f);
-    }
-    if (enters_[f] != (locations_[f].cell != none)) return say("a facet that entered has no location, or one that did not has", f);
+  if (options_.edits) {
+    if (std::string what = validate_books(); !what.empty()) return what;
   }
-  if (listed != pieces) return "a piece is in no location list";
-  // 9. A face's fragments add up to its area, as far as corners that carry a rounding of their distance from the light, and of their own
+  // 14. A face's fragments add up to its area, as far as corners that carry a rounding of their distance from the light, and of their own
   // coordinates, can say: for a needle far away that is more than a share of its area.
   for (std::size_t f = 0; f < shadows_.areas.size(); ++f) {
     const FaceArea& a = shadows_.areas[f];
@@ -142,6 +165,57 @@ std::string LightTree::validate() const {
     if (!(std::abs(a.lit + a.shadowed - a.area) <= 1e-9 * a.area + 64 * unit_roundoff * reach * box.diagonal().norm())) {
       return say("a face's lit and shadowed areas do not add up to its area", f);
     }
+  }
+  return {};
+}
+
+std::string LightTree::validate_books() const {
+  // 12. Location lists hold every entry once, under its own object; a facet that enters has one, and no other has.
+  std::size_t listed = 0, entries = 0;
+  std::vector<std::uint8_t> entered(enters_.size(), 0);
+  for (const CellTree& cell : cells_) {
+    for (const Entry& e : cell.entries()) entries += e.facet != none;
+  }
+  for (std::size_t o = 0; o < locations_.size(); ++o) {
+    for (Location l = locations_[o]; l.cell != none; l = cells_[l.cell].entries()[l.entry].next) {
+      if (l.cell >= cells_.size() || l.entry >= cells_[l.cell].entries().size()) return say("a location leads nowhere", o);
+      const std::uint32_t facet = cells_[l.cell].entries()[l.entry].facet;
+      if (facet == none || tables_.object_of(facet) != o) return say("a location leads to another object's entry", o);
+      entered[facet] = 1;
+      if (++listed > entries) return say("location lists run in a circle", o);
+    }
+  }
+  if (listed != entries) return "an entry is in no location list";
+  for (std::size_t f = 0; f < enters_.size(); ++f) {
+    if (enters_[f] != entered[f]) return say("a facet that entered has no location, or one that did not has", f);
+  }
+  // 13. A marked node's line, if it is not the cell's own, lies in a block that has been left and counts it; other nodes' lines are those
+  // of their objects as they stand.
+  std::vector<std::uint32_t> kept(line_blocks_.size(), 0);
+  for (const CellTree& cell : cells_) {
+    std::vector<Child> pending{cell.root()};
+    while (!pending.empty()) {
+      const Child here = pending.back();
+      pending.pop_back();
+      if (here.is_out()) continue;
+      const Node& node = cell.nodes()[here.node()];
+      pending.push_back(node.child[0]);
+      if (!here.is_sp()) continue;
+      pending.push_back(node.child[1]);
+      if (node.id >= first_local_line) continue;
+      const Line& l = tables_.lines[node.id];
+      if (!std::equal(l.n, l.n + 3, node.n)) return say("a node's line has changed", here.node());
+      const std::uint32_t owner = cell.links()[here.node()].owner, b = block_of_line_[node.id];
+      if (owner == marked) {
+        ++kept[b];
+      } else if (b != block_of_object_[tables_.object_of(cell.pieces()[owner].facet)]) {
+        return say("a node's line is another object's", here.node());
+      }
+    }
+  }
+  for (std::size_t b = 0; b < kept.size(); ++b) {
+    if (kept[b] != line_blocks_[b].kept) return say("planes left behind are counted wrongly", b);
+    if (kept[b] != 0 && !line_blocks_[b].orphan) return say("an object shares lines with planes left behind", b);
   }
   return {};
 }

@@ -1,0 +1,547 @@
+// Edits of a finished light tree: objects out, objects in, and what that changed.
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "light_tree.hpp"
+
+namespace shadowcut {
+namespace {
+
+// A ray less certain than this has come too near to a far light for the numbers of its frame.
+constexpr float largest_ray_error = static_cast<float>(256 * unit_roundoff);
+
+template <class T>
+void sort_unique(std::vector<T>& v) {
+  std::sort(v.begin(), v.end());
+  v.erase(std::unique(v.begin(), v.end()), v.end());
+}
+
+bool differ(const FaceArea& a, const FaceArea& b) {
+  return a.facing != b.facing || a.area != b.area || a.lit != b.lit || a.shadowed != b.shadowed;
+}
+
+}  // namespace
+
+// After a build: what edits keep books of.
+void LightTree::start_edits() {
+  sums_.resize(cells_.size());
+  for (std::size_t c = 0; c < cells_.size(); ++c) sums_[c] = sums_of(c);
+  touched_in_.assign(cells_.size(), 0);
+  touched_.clear();
+  noted_in_.resize(scene_.faces().size(), 0);
+  line_blocks_.clear();
+  free_blocks_.clear();
+  block_of_object_.assign(scene_.objects().size(), none);
+  block_of_line_.assign(tables_.lines.size(), none);
+  for (std::uint32_t o = 0; o < scene_.objects().size(); ++o) {
+    const Object& object = scene_.objects()[o];
+    if (!object.alive) continue;
+    block_of_object_[o] = static_cast<std::uint32_t>(line_blocks_.size());
+    std::fill_n(block_of_line_.begin() + object.first_edge, object.edge_count, block_of_object_[o]);
+    line_blocks_.push_back({object.first_edge, object.edge_count, 0, false});
+  }
+  for (std::uint32_t o = 0; o < scene_.objects().size(); ++o) note_location_list(o);
+}
+
+void LightTree::note_location_list(std::uint32_t object) {
+  std::uint64_t length = 0;
+  for (Location l = locations_[object]; l.cell != none;) {
+    const Entry& e = cells_[l.cell].entries()[l.entry];
+    length += e.pieces;
+    l = e.next;
+  }
+  shadows_.stats.longest_location_list = std::max(shadows_.stats.longest_location_list, length);
+}
+
+void LightTree::emit_live() {
+  live_.clear();
+  live_.reserve(cells_.size());
+  for (std::uint32_t c = 0; c < cells_.size(); ++c) live_.emplace_back(c, options_.form != Form::pieces);
+  shadows_.blocks.resize(cells_.size() + 1);
+  const EmitTarget to = target();
+  tbb::parallel_for(std::size_t{0}, cells_.size(), [&](std::size_t c) {
+    live_[c].start(cells_[c], to, workspaces_.local(), shadows_.blocks[c], update_);
+    cells_[c].set_live(&live_[c]);
+  });
+  shadows_.blocks.back() = {};
+  away_.assign(scene_.facets().size(), none);
+  away_born_.assign(scene_.facets().size(), update_);
+  CellOutput out;
+  for (std::uint32_t i = 0; i < scene_.facets().size(); ++i) {
+    if (!stands_away(i)) continue;
+    away_[i] = static_cast<std::uint32_t>(out.block.fragments.size());
+    emit_away(i, out);
+  }
+  shadows_.blocks.back() = std::move(out.block);
+  away_corners_.clear();
+}
+
+void LightTree::begin_update() {
+  ++update_;
+  rebuilt_ = edited_ = false;
+  touched_.clear();
+  batch_.clear();
+  gone_.clear();
+  away_added_.clear();
+  noted_.clear();
+  before_.clear();
+}
+
+// Keeps what a face was before this update.
+void LightTree::note(std::uint32_t face) {
+  if (noted_in_.size() < scene_.faces().size()) noted_in_.resize(scene_.faces().size(), 0);
+  if (noted_in_[face] == update_) return;
+  noted_in_[face] = update_;
+  noted_.push_back({face, face < shadows_.areas.size() ? shadows_.areas[face] : FaceArea{}});
+}
+
+// Before a rebuild: what there was will be gone.
+void LightTree::note_everything() {
+  for (std::uint32_t f = 0; f < scene_.faces().size(); ++f) note(f);
+  if (shadows_.blocks.empty()) {  // the first build
+    rebuilt_ = true;
+    return;
+  }
+  if (is_live()) {
+    for (LiveCell& cell : live_) cell.list_old(shadows_.blocks[static_cast<std::size_t>(&cell - live_.data())], update_, gone_);
+    for (const Fragment& f : shadows_.blocks.back().fragments) {
+      if (away_born_[f.facet] != update_) gone_.push_back(f.id);
+    }
+  } else if (!rebuilt_) {
+    for (const Block& block : edited_ ? before_ : shadows_.blocks) {
+      for (const Fragment& f : block.fragments) gone_.push_back(f.id);
+    }
+  }
+  rebuilt_ = true;
+  batch_.clear();
+}
+
+// Runs edit(cell, index in cells) for every cell; on several threads if the work is worth it.
+template <class Edit>
+void LightTree::edit_cells(std::span<const std::uint32_t> cells, std::size_t work, const Edit& edit) {
+  const auto one = [&](std::size_t i) {
+    if (is_live()) live_[cells[i]].begin(shadows_.blocks[cells[i]], update_);
+    edit(cells[i], i);
+  };
+  constexpr std::size_t worth_it = 128;
+  if (cells.size() > 1 && work >= worth_it) {
+    tbb::parallel_for(std::size_t{0}, cells.size(), one);
+  } else {
+    for (std::size_t i = 0; i < cells.size(); ++i) one(i);
+  }
+  for (const std::uint32_t c : cells) {
+    if (touched_in_[c] == update_) continue;
+    touched_in_[c] = update_;
+    touched_.push_back(c);
+  }
+}
+
+void LightTree::remove_objects(std::span<const std::uint32_t> objects) {
+  if (!is_live() && !edited_) before_ = shadows_.blocks;
+  edited_ = true;
+  std::vector<Location> parts;
+  for (const std::uint32_t o : objects) {
+    if (o >= locations_.size()) continue;
+    for (Location l = locations_[o]; l.cell != none; l = cells_[l.cell].entries()[l.entry].next) parts.push_back(l);
+    locations_[o] = {};
+  }
+  std::sort(parts.begin(), parts.end(),
+            [](const Location& a, const Location& b) { return a.cell != b.cell ? a.cell < b.cell : a.entry < b.entry; });
+  std::vector<std::uint32_t> cells, entries;
+  std::vector<std::size_t> begins;
+  for (const Location& l : parts) {
+    if (cells.empty() || cells.back() != l.cell) cells.push_back(l.cell), begins.push_back(entries.size());
+    entries.push_back(l.entry);
+  }
+  begins.push_back(entries.size());
+  std::vector<std::vector<std::uint32_t>> kept(cells.size()), given_up(cells.size());
+  edit_cells(cells, parts.size(), [&](std::uint32_t c, std::size_t i) {
+    cells_[c].remove(std::span(entries).subspan(begins[i], begins[i + 1] - begins[i]), workspaces_.local(), kept[i], given_up[i]);
+  });
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    for (const std::uint32_t line : kept[i]) count_line(line, true);
+    for (const std::uint32_t line : given_up[i]) count_line(line, false);
+  }
+  absorb(cells);
+  batch_.insert(batch_.end(), cells.begin(), cells.end());
+  for (const std::uint32_t o : objects) {
+    if (o >= block_of_object_.size()) continue;
+    leave_lines(o);
+    const Object& object = scene_.objects()[o];
+    for (std::uint32_t i = object.first_facet; i < object.first_facet + object.facet_count; ++i) {
+      shadows_.stats.facets -= enters_[i];
+      enters_[i] = 0;
+      remove_away(i);
+    }
+    for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
+      note(f);
+      set_area(f, {});
+      --shadows_.stats.faces;
+    }
+  }
+}
+
+void LightTree::insert_objects(std::span<const std::uint32_t> objects) {
+  refer_to_scene();
+  if (!suits_numbers(objects)) return rebuild(Light(light_));
+  grow();
+  std::vector<std::uint32_t> alive;
+  std::size_t facets = 0;
+  for (const std::uint32_t o : objects) {
+    const Object& object = scene_.objects()[o];
+    if (!object.alive) {
+      give_lines_back(o);
+      continue;
+    }
+    alive.push_back(o);
+    face_object(o);
+    facets += object.facet_count;
+  }
+  insert_into_cells(by_object(alive, [this](std::uint32_t i) { return options_.order == Order::solid_angle ? solid_angle(i) : 0.0; }));
+  for (const std::uint32_t o : alive) note_location_list(o);
+  batch_.clear();
+}
+
+// Filters facets through the prefix, and inserts their parts into the cells; settles what has been changed since objects were removed.
+void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
+  struct Part {
+    std::uint32_t cell;
+    Cone* cone;
+    std::uint32_t entry;
+  };
+  std::vector<Part> parts;
+  Workspace& w = workspaces_.local();
+  const auto line_of = [this](std::uint32_t id) -> const Line& { return tables_.lines[id]; };
+  for (const std::uint32_t facet : order) {
+    prefix_->filter(cone_of_facet(facet, w.pool), tables_.rays, line_of, w.pool, w.spill, w.pending,
+                    [&parts](std::uint32_t cell, Cone* cone) {
+                      parts.push_back({cell, cone, none});
+                    });
+  }
+  std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.cell < b.cell; });
+  for (const Part& part : parts) batch_.push_back(part.cell);
+  sort_unique(batch_);
+  const EmitTarget to = target();
+  edit_cells(batch_, parts.size(), [&](std::uint32_t c, std::size_t) {
+    Workspace& own = workspaces_.local();
+    auto part = std::lower_bound(parts.begin(), parts.end(), c, [](const Part& p, std::uint32_t cell) { return p.cell < cell; });
+    for (; part != parts.end() && part->cell == c; ++part) part->entry = cells_[c].insert(part->cone, own);
+    if (is_live()) live_[c].settle(cells_[c], to, own);
+  });
+  for (const Part& part : parts) link_entry(part.cell, part.entry);
+  absorb(batch_);
+}
+
+bool LightTree::suits_numbers(std::span<const std::uint32_t> objects) const {
+  for (const std::uint32_t o : objects) {
+    const Object& object = scene_.objects()[o];
+    if (!object.casts && !object.receives) continue;
+    for (const Vec3& v : scene_.vertices().subspan(object.first_vertex, object.vertex_count)) {
+      if (space_.ray(v).error > largest_ray_error) return false;
+    }
+  }
+  return true;
+}
+
+// Room for what the scene has more of.
+void LightTree::grow() {
+  const auto to = [](auto& v, std::size_t size, const auto& filler) {
+    if (v.size() < size) v.resize(size, filler);
+  };
+  const std::size_t facets = scene_.facets().size(), faces = scene_.faces().size(), objects = scene_.objects().size();
+  to(turned_, facets, Turned::edge_on);
+  to(facing_, facets, Facing::away);
+  to(enters_, facets, std::uint8_t{0});
+  to(tables_.blocks_only, facets, std::uint8_t{0});
+  to(away_, facets, none);
+  to(away_born_, facets, 0u);
+  to(tables_.rays, scene_.vertices().size(), VertexRay{});
+  to(tables_.planes, scene_.planes().size(), PlaneRay{});
+  to(tables_.line_shift, objects, 0u);
+  to(locations_, objects, Location{});
+  to(block_of_object_, objects, none);
+  to(shadows_.areas, faces, FaceArea{});
+  to(units_, faces, Units{});
+}
+
+// Everything about an object that does not depend on other objects.
+void LightTree::face_object(std::uint32_t o) {
+  const Object& object = scene_.objects()[o];
+  const bool light_inside = holds_light(object);
+  bool any = false;
+  for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
+    const Face& face = scene_.faces()[f];
+    const bool is_reached = reached(f);
+    for (std::uint32_t i = face.first_facet; i < face.first_facet + face.facet_count; ++i) {
+      face_facet(i, is_reached, light_inside);
+      if (!enters_[i]) continue;
+      any = true;
+      make_plane(scene_.facets()[i].plane);
+      ++shadows_.stats.facets;
+    }
+  }
+  if (any) {
+    take_lines(o);
+    const std::uint32_t shift = tables_.line_shift[o];
+    for (std::uint32_t i = 0; i < object.vertex_count; ++i) make_ray(object.first_vertex + i);
+    for (std::uint32_t i = object.first_edge; i < object.first_edge + object.edge_count; ++i) make_line(i, i + shift);
+  }
+  for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
+    note(f);
+    set_area(f, whole_area(f));
+    ++shadows_.stats.faces;
+  }
+  for (std::uint32_t i = object.first_facet; i < object.first_facet + object.facet_count; ++i) {
+    if (stands_away(i)) insert_away(i);
+  }
+}
+
+// Lines. Planes that an object leaves behind in the trees go on using the lines of its edges, so it gets others for its next pose.
+
+void LightTree::count_line(std::uint32_t line, bool kept) {
+  const std::uint32_t b = block_of_line_[line];
+  LineBlock& block = line_blocks_[b];
+  if (kept) {
+    ++block.kept;
+  } else if (--block.kept == 0 && block.orphan) {
+    free_blocks_.emplace(block.count, b);
+  }
+}
+
+// After an object's removal.
+void LightTree::leave_lines(std::uint32_t object) {
+  const std::uint32_t b = block_of_object_[object];
+  if (b == none || line_blocks_[b].kept == 0) return;
+  LineBlock& block = line_blocks_[b];
+  block.orphan = true;
+  for (std::uint32_t id = block.first; id < block.first + block.count; ++id) tables_.lines[id].a = tables_.lines[id].b = none;
+  block_of_object_[object] = none;
+}
+
+void LightTree::give_lines_back(std::uint32_t object) {
+  const std::uint32_t b = block_of_object_[object];
+  if (b == none) return;
+  free_blocks_.emplace(line_blocks_[b].count, b);
+  block_of_object_[object] = none;
+}
+
+void LightTree::take_lines(std::uint32_t o) {
+  const Object& object = scene_.objects()[o];
+  if (const std::uint32_t b = block_of_object_[o]; b != none && line_blocks_[b].count < object.edge_count) give_lines_back(o);
+  std::uint32_t& b = block_of_object_[o];
+  if (b == none) {
+    const auto fit = free_blocks_.lower_bound(object.edge_count);
+    if (fit != free_blocks_.end()) {
+      b = fit->second;
+      free_blocks_.erase(fit);
+    } else {
+      const std::size_t first = tables_.lines.size();
+      if (first + object.edge_count > first_local_line) throw std::bad_alloc();
+      tables_.lines.resize(first + object.edge_count);
+      b = static_cast<std::uint32_t>(line_blocks_.size());
+      block_of_line_.resize(tables_.lines.size(), b);
+      line_blocks_.push_back({static_cast<std::uint32_t>(first), object.edge_count, 0, false});
+    }
+    line_blocks_[b].orphan = false;
+  }
+  tables_.line_shift[o] = line_blocks_[b].first - object.first_edge;
+}
+
+// Sides turned away: one fragment a facet, in the last block.
+
+void LightTree::insert_away(std::uint32_t facet) {
+  if (!is_live()) return;
+  Block& block = shadows_.blocks.back();
+  CellOutput one;
+  emit_away(facet, one);
+  Fragment f = one.block.fragments[0];
+  f.first_corner = away_corners_.take(block.corners, f.corner_count);
+  std::copy(one.block.corners.begin(), one.block.corners.end(), block.corners.begin() + f.first_corner);
+  away_[facet] = static_cast<std::uint32_t>(block.fragments.size());
+  away_born_[facet] = update_;
+  block.fragments.push_back(f);
+  away_added_.push_back(f.id);
+  absorb({f.face, false, true, f.area});
+}
+
+void LightTree::remove_away(std::uint32_t facet) {
+  if (!is_live() || away_[facet] == none) return;
+  Block& block = shadows_.blocks.back();
+  const std::uint32_t index = away_[facet];
+  const Fragment f = block.fragments[index];
+  if (away_born_[facet] != update_) gone_.push_back(f.id);
+  away_corners_.give_back(f.first_corner, f.corner_count);
+  absorb({f.face, false, false, f.area});
+  block.fragments[index] = block.fragments.back();
+  away_[block.fragments[index].facet] = index;
+  block.fragments.pop_back();
+  away_[facet] = none;
+}
+
+// Areas.
+
+// A power of two: the face's area is about 2^60 of it.
+double LightTree::unit_for(double area) { return area > 0 && std::isfinite(area) ? std::ldexp(1.0, std::ilogb(area) - 60) : 1.0; }
+
+void LightTree::count_face(const FaceArea& a, bool more) {
+  if (a.facing != Facing::toward) return;
+  Stats& s = shadows_.stats;
+  more ? ++s.facing_faces : --s.facing_faces;
+  const double sign = more ? 1 : -1;
+  facing_area_.add(sign * a.area), lit_area_.add(sign * a.lit), shadowed_area_.add(sign * a.shadowed);
+  s.facing_area = facing_area_.value(), s.lit_area = lit_area_.value(), s.shadowed_area = shadowed_area_.value();
+}
+
+// A face has no fragments now; what it will have is counted as they come.
+void LightTree::set_area(std::uint32_t face, const FaceArea& area) {
+  if (!is_live()) return;
+  count_face(shadows_.areas[face], false);
+  shadows_.areas[face] = area;
+  units_[face] = {unit_for(area.area), 0, 0};
+  count_face(area, true);
+}
+
+void LightTree::absorb(const LiveCell::AreaChange& change) {
+  note(change.face);
+  FaceArea& a = shadows_.areas[change.face];
+  Units& u = units_[change.face];
+  constexpr double most = 0x1p62;
+  const auto units = static_cast<std::int64_t>(std::nearbyint(std::min(change.area / u.unit, most)));
+  std::int64_t& sum = change.lit ? u.lit : u.shadowed;
+  sum += change.added ? units : -units;
+  double& area = change.lit ? a.lit : a.shadowed;
+  const double now = static_cast<double>(sum) * u.unit;
+  if (a.facing == Facing::toward) {
+    Stats& s = shadows_.stats;
+    std::uint64_t& fragments = change.lit ? s.lit_fragments : s.shadowed_fragments;
+    change.added ? ++fragments : --fragments;
+    Sum& total = change.lit ? lit_area_ : shadowed_area_;
+    total.add(now - area);
+    (change.lit ? s.lit_area : s.shadowed_area) = total.value();
+  }
+  area = now;
+}
+
+void LightTree::absorb(std::span<const std::uint32_t> cells) {
+  for (const std::uint32_t c : cells) {
+    if (is_live()) {
+      for (const LiveCell::AreaChange& change : live_[c].area_changes()) absorb(change);
+      live_[c].area_changes().clear();
+    }
+    add_sums(sums_[c], false);
+    sums_[c] = sums_of(c);
+    add_sums(sums_[c], true);
+  }
+}
+
+// What has changed.
+
+void LightTree::finish_update(LightChanges& changes) {
+  if (edited_ && !rebuilt_ && !is_live()) emit_again();
+  changes.rebuilt = rebuilt_;
+  changes.gone = std::move(gone_);
+  gone_.clear();
+  if (rebuilt_) {
+    list_all(changes);
+  } else if (is_live()) {
+    list_changes(changes);
+  } else if (edited_) {
+    list_differences(changes);
+  }
+  for (const Old& old : noted_) {
+    const FaceArea now = old.face < shadows_.areas.size() ? shadows_.areas[old.face] : FaceArea{};
+    if (differ(old.area, now)) changes.areas.push_back({old.face, now});
+  }
+}
+
+void LightTree::rebuild_to_nothing(LightChanges& changes) {
+  note_everything();
+  changes.removed = true;
+  changes.gone = std::move(gone_);
+  for (const Old& old : noted_) {
+    if (differ(old.area, {})) changes.areas.push_back({old.face, {}});
+  }
+}
+
+// The fragments do not know their places: all are handed out again.
+void LightTree::emit_again() {
+  for (std::uint32_t f = 0; f < scene_.faces().size(); ++f) note(f);
+  const Stats old = std::exchange(shadows_.stats, {});
+  emit();
+  sum_up();
+  Stats& s = shadows_.stats;
+  s.build_ms = old.build_ms, s.emit_ms = old.emit_ms, s.longest_location_list = old.longest_location_list;
+}
+
+void LightTree::list_all(LightChanges& changes) const {
+  for (const Block& block : shadows_.blocks) {
+    for (std::uint32_t i = 0; i < block.fragments.size(); ++i) changes.added.push_back({block.fragments[i].id, i});
+  }
+}
+
+void LightTree::list_changes(LightChanges& changes) {
+  for (const std::uint32_t c : touched_) {
+    changes.gone.insert(changes.gone.end(), live_[c].gone().begin(), live_[c].gone().end());
+    live_[c].list_added(changes.added);
+  }
+  sort_unique(away_added_);
+  for (const FragmentId& id : away_added_) {
+    if (away_[id.piece] != none) changes.added.push_back({id, away_[id.piece]});
+  }
+}
+
+// Against before_: equal fragments, to the bit, have not changed.
+void LightTree::list_differences(LightChanges& changes) const {
+  struct At {
+    const Block* block;
+    const Fragment* fragment;
+  };
+  const auto sorted = [](const std::vector<Block>& blocks) {
+    std::vector<At> all;
+    for (const Block& block : blocks) {
+      for (const Fragment& f : block.fragments) all.push_back({&block, &f});
+    }
+    std::sort(all.begin(), all.end(), [](const At& a, const At& b) { return a.fragment->id < b.fragment->id; });
+    return all;
+  };
+  const auto same = [](const At& a, const At& b) {
+    const Fragment &f = *a.fragment, &g = *b.fragment;
+    const auto x = a.block->corners_of(f), y = b.block->corners_of(g);
+    return f.face == g.face && f.facet == g.facet && f.caster == g.caster && f.lit == g.lit && f.area == g.area &&
+           std::equal(x.begin(), x.end(), y.begin(), y.end());
+  };
+  const std::vector<At> before = sorted(before_), now = sorted(shadows_.blocks);
+  const auto lost = [&](const At& a) { changes.gone.push_back(a.fragment->id); };
+  const auto found = [&](const At& a) {
+    changes.added.push_back({a.fragment->id, static_cast<std::uint32_t>(a.fragment - a.block->fragments.data())});
+  };
+  auto b = before.begin();
+  auto n = now.begin();
+  while (b != before.end() || n != now.end()) {
+    if (n == now.end() || (b != before.end() && b->fragment->id < n->fragment->id)) {
+      lost(*b++);
+    } else if (b == before.end() || n->fragment->id < b->fragment->id) {
+      found(*n++);
+    } else {
+      if (!same(*b, *n)) lost(*b), found(*n);
+      ++b, ++n;
+    }
+  }
+}
+
+const Fragment* LightTree::find(FragmentId id) const {
+  if (id.cell >= shadows_.blocks.size()) return nullptr;
+  const auto& fragments = shadows_.blocks[id.cell].fragments;
+  if (is_live()) {
+    const bool in_cell = id.cell < live_.size();
+    const std::uint32_t i = in_cell ? live_[id.cell].find(id) : id.place == none && id.piece < away_.size() ? away_[id.piece] : none;
+    return i == none ? nullptr : &fragments[i];
+  }
+  const auto f = std::find_if(fragments.begin(), fragments.end(), [&](const Fragment& g) { return g.id == id; });
+  return f == fragments.end() ? nullptr : &*f;
+}
+
+}  // namespace shadowcut

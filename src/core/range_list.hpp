@@ -1,0 +1,37 @@
+// Stretches of a vector that have been given back, to be used again for others of the same length.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace shadowcut {
+
+class RangeList {
+ public:
+  // Where a stretch of this length begins in `v`: one given back, or a new one at the end.
+  template <class T>
+  std::uint32_t take(std::vector<T>& v, std::uint32_t length) {
+    if (length < free_.size() && !free_[length].empty()) {
+      const std::uint32_t first = free_[length].back();
+      free_[length].pop_back();
+      unused_ -= length;
+      return first;
+    }
+    const auto first = static_cast<std::uint32_t>(v.size());
+    v.resize(v.size() + length);
+    return first;
+  }
+  void give_back(std::uint32_t first, std::uint32_t length) {
+    if (length >= free_.size()) free_.resize(length + 1);
+    free_[length].push_back(first);
+    unused_ += length;
+  }
+  std::size_t unused() const { return unused_; }
+  void clear() { free_.clear(), unused_ = 0; }
+
+ private:
+  std::vector<std::vector<std::uint32_t>> free_;  // by length
+  std::size_t unused_ = 0;
+};
+
+}  // namespace shadowcut
