@@ -50,7 +50,7 @@ struct Options {
   bool edits = true;  // keep what updates need. Without it an engine takes less memory, merges a little better, and builds anew on any edit
   // A plane left behind by a removed face, with something on both sides, goes if the smaller side has no more nodes than this: that side
   // is then inserted into the other. Otherwise it stays, as a plain dividing plane, until a later edit makes a side small.
-  std::uint32_t join_threshold = 16;
+  std::uint32_t join_threshold = 2;
   std::function<void(double)> progress;  // called now and then, from any thread but one at a time, with the share of the work done, 0 to 1
 };
 

@@ -71,6 +71,9 @@ class LightTree {
     std::uint64_t nodes = 0, pp_nodes = 0, pieces = 0, crossing_lines = 0, predicates = 0, on = 0, marked = 0, joined = 0, deferred = 0,
                   bytes = 0;
   };
+  struct Fresh {  // a cell as it was when it was built last
+    double nodes_per_entry = 0;
+  };
   struct Units {  // a face's areas as whole numbers of a unit of its own, so that adding and taking away is exact
     double unit = 1;
     std::int64_t lit = 0, shadowed = 0;
@@ -132,6 +135,10 @@ class LightTree {
   void set_area(std::uint32_t face, const FaceArea& area);
   void absorb(std::span<const std::uint32_t> cells);
   void absorb(const LiveCell::AreaChange& change);
+  bool has_grown(std::uint32_t cell) const;
+  void note_fresh(std::uint32_t cell);
+  void build_again(std::uint32_t cell, std::vector<std::uint32_t>& given_up, Workspace& w);
+  double size_in_order(std::uint32_t facet) const { return options_.order == Order::solid_angle ? solid_angle(facet) : 0.0; }
   bool suits_numbers(std::span<const std::uint32_t> objects) const;
   void insert_into_cells(const std::vector<std::uint32_t>& order);
   void emit_again();
@@ -164,6 +171,8 @@ class LightTree {
   std::vector<LineBlock> line_blocks_;
   std::vector<std::uint32_t> block_of_object_, block_of_line_;  // indices into line_blocks_, or none
   std::multimap<std::uint32_t, std::uint32_t> free_blocks_;     // by count
+
+  std::vector<Fresh> fresh_;  // by cell
 
   // Of this update.
   std::uint32_t update_ = 0;

@@ -11,6 +11,8 @@ namespace shadowcut {
 namespace {
 
 // A ray less certain than this has come too near to a far light for the numbers of its frame.
+constexpr double growth_allowed = 1.35;
+
 constexpr float largest_ray_error = static_cast<float>(256 * unit_roundoff);
 
 template <class T>
@@ -28,7 +30,11 @@ bool differ(const FaceArea& a, const FaceArea& b) {
 // After a build: what edits keep books of.
 void LightTree::start_edits() {
   sums_.resize(cells_.size());
-  for (std::size_t c = 0; c < cells_.size(); ++c) sums_[c] = sums_of(c);
+  fresh_.resize(cells_.size());
+  for (std::uint32_t c = 0; c < cells_.size(); ++c) {
+    sums_[c] = sums_of(c);
+    note_fresh(c);
+  }
   touched_in_.assign(cells_.size(), 0);
   touched_.clear();
   noted_in_.resize(scene_.faces().size(), 0);
@@ -200,7 +206,7 @@ void LightTree::insert_objects(std::span<const std::uint32_t> objects) {
     face_object(o);
     facets += object.facet_count;
   }
-  insert_into_cells(by_object(alive, [this](std::uint32_t i) { return options_.order == Order::solid_angle ? solid_angle(i) : 0.0; }));
+  insert_into_cells(by_object(alive, [this](std::uint32_t i) { return size_in_order(i); }));
   for (const std::uint32_t o : alive) note_location_list(o);
   batch_.clear();
 }
@@ -225,14 +231,63 @@ void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
   for (const Part& part : parts) batch_.push_back(part.cell);
   sort_unique(batch_);
   const EmitTarget to = target();
-  edit_cells(batch_, parts.size(), [&](std::uint32_t c, std::size_t) {
+  std::vector<std::vector<std::uint32_t>> given_up(batch_.size());
+  edit_cells(batch_, parts.size(), [&](std::uint32_t c, std::size_t i) {
     Workspace& own = workspaces_.local();
     auto part = std::lower_bound(parts.begin(), parts.end(), c, [](const Part& p, std::uint32_t cell) { return p.cell < cell; });
     for (; part != parts.end() && part->cell == c; ++part) part->entry = cells_[c].insert(part->cone, own);
-    if (is_live()) live_[c].settle(cells_[c], to, own);
+    if (has_grown(c)) {
+      build_again(c, given_up[i], own);
+    } else if (is_live()) {
+      live_[c].settle(cells_[c], to, own);
+    }
   });
+  for (const auto& lines : given_up) {
+    for (const std::uint32_t line : lines) count_line(line, false);
+  }
   for (const Part& part : parts) link_entry(part.cell, part.entry);
   absorb(batch_);
+}
+
+// Edits leave faces cut, and insert them in an order that nobody would choose. A cell that has grown by half of a half since it was built
+// is built again: in the long run that costs in proportion to the growth.
+bool LightTree::has_grown(std::uint32_t c) const {
+  const Fresh& fresh = fresh_[c];
+  return static_cast<double>(cells_[c].live_nodes()) >
+         growth_allowed * fresh.nodes_per_entry * static_cast<double>(cells_[c].live_entries()) + 8;
+}
+
+void LightTree::note_fresh(std::uint32_t c) {
+  fresh_[c].nodes_per_entry =
+      static_cast<double>(cells_[c].live_nodes()) / static_cast<double>(std::max<std::size_t>(cells_[c].live_entries(), 1));
+}
+
+// A cell's tree, from its entries in the order of a build.
+void LightTree::build_again(std::uint32_t c, std::vector<std::uint32_t>& given_up, Workspace& w) {
+  CellTree& tree = cells_[c];
+  std::vector<std::uint32_t> objects;
+  std::map<std::uint32_t, std::uint32_t> entry_of;  // by facet
+  for (std::uint32_t e = 0; e < tree.entries().size(); ++e) {
+    const std::uint32_t facet = tree.entries()[e].facet;
+    if (facet == none) continue;
+    entry_of.emplace(facet, e);
+    objects.push_back(tables_.object_of(facet));
+  }
+  sort_unique(objects);
+  const auto line_of = [this](std::uint32_t id) -> const Line& { return tables_.lines[id]; };
+  tree.set_live(nullptr);
+  tree.start_again(given_up);
+  for (const std::uint32_t facet : by_object(objects, [this](std::uint32_t i) { return size_in_order(i); })) {
+    const auto entry = entry_of.find(facet);
+    if (entry == entry_of.end()) continue;
+    Cone* part = prefix_->part_in(c, cone_of_facet(facet, w.pool), tables_.rays, line_of, w.pool, w.spill);
+    if (part) tree.insert_again(entry->second, part, w);
+  }
+  if (is_live()) {
+    live_[c].start_again(tree, target(), w);
+    tree.set_live(&live_[c]);
+  }
+  note_fresh(c);
 }
 
 bool LightTree::suits_numbers(std::span<const std::uint32_t> objects) const {

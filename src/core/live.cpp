@@ -1,6 +1,7 @@
 #include "live.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace shadowcut {
 namespace {
@@ -57,6 +58,11 @@ void LiveCell::start(const CellTree& tree, const EmitTarget& target, Workspace& 
   changed_.clear(), added_pieces_.clear(), gone_.clear(), area_changes_.clear();
   block.fragments.reserve(tree.pieces().size() * 3);
   block.corners.reserve(tree.pieces().size() * 14);
+  emit_all(tree, target, w);
+  born_.clear();
+}
+
+void LiveCell::emit_all(const CellTree& tree, const EmitTarget& target, Workspace& w) {
   make_room(tree);
   if (merge_) {
     for_each_node_upward(tree, [&](std::uint32_t node, bool is_sp) {
@@ -64,13 +70,28 @@ void LiveCell::start(const CellTree& tree, const EmitTarget& target, Workspace& 
     });
   }
   for (std::uint32_t p = 0; p < tree.pieces().size(); ++p) emit_piece(tree, p, target, w);
-  born_.clear();
 }
 
-void LiveCell::find_state(const CellTree& tree, const EmitTarget& target, std::uint32_t node) {
+void LiveCell::start_again(const CellTree& tree, const EmitTarget& target, Workspace& w) {
+  for (std::size_t i = 0; i < records_.size(); ++i) {
+    const Fragment& f = block_->fragments[i];
+    if (records_[i].born != update_) gone_.push_back(f.id);
+    area_changes_.push_back({f.face, f.lit, false, f.area});
+  }
+  block_->fragments.clear();
+  block_->corners.clear();
+  records_.clear(), at_place_.clear(), of_piece_.clear(), states_.clear(), visit_.clear();
+  free_corners_.clear();
+  changed_.clear(), added_pieces_.clear();
+  emit_all(tree, target, w);
+}
+
+// True: it is another one than before.
+bool LiveCell::find_state(const CellTree& tree, const EmitTarget& target, std::uint32_t node) {
   const Node& n = tree.nodes()[node];
   const std::uint32_t a = state_of(tree, n.child[0]);
-  states_[node] = alike_states(target.scene, a, state_of(tree, n.child[1])) ? a : mixed_state;
+  const std::uint32_t state = alike_states(target.scene, a, state_of(tree, n.child[1])) ? a : mixed_state;
+  return std::exchange(states_[node], state) != state;
 }
 
 void LiveCell::settle(const CellTree& tree, const EmitTarget& target, Workspace& w) {
@@ -78,28 +99,30 @@ void LiveCell::settle(const CellTree& tree, const EmitTarget& target, Workspace&
   sort_unique(changed_);
   sort_unique(added_pieces_);
 
-  // States first, all of them: what is settled is asked of every branch below.
+  // States first, all of them: what is settled is asked of every branch below. Where a state stays, nothing above learns of the change.
   if (merge_) {
     for (std::uint32_t place : changed_) {
-      for (; place != root_place && !is_pp(tree, place >> 1); place = tree.links()[place >> 1].parent) find_state(tree, target, place >> 1);
+      for (; place != root_place && !is_pp(tree, place >> 1); place = tree.links()[place >> 1].parent) {
+        if (!find_state(tree, target, place >> 1)) break;
+      }
     }
   }
   // What has to be handed out again begins at the highest place that was settled or has become so, or else at the change. The way to it
-  // from the PP-node is marked, so that pieces there need not be taken elsewhere.
+  // from the PP-node is marked, so that pieces there need not be taken elsewhere. Above a marked way no place is settled, or was.
   const std::uint32_t on_the_way = ++visits_ * 2, all_below = on_the_way + 1;
   std::vector<std::uint32_t> pps;
   for (const std::uint32_t change : changed_) {
     std::uint32_t top = change, place = change;
-    while (place != root_place) {
+    for (; place != root_place && visit_[place] < on_the_way; place = tree.links()[place >> 1].parent) {
       if (at_place_[place] != none || state_of(tree, tree.child_at(place)) != mixed_state) top = place;
-      if (is_pp(tree, place >> 1)) break;
-      place = tree.links()[place >> 1].parent;
+      if (!is_pp(tree, place >> 1)) continue;
+      pps.push_back(place >> 1);
+      break;
     }
-    if (place == root_place) continue;  // in front of nothing
-    pps.push_back(place >> 1);
+    if (place == root_place || visit_[place] == all_below) continue;  // in front of nothing; or handed out again already
     drop_below(tree, top);
     visit_[top] = all_below;
-    for (std::uint32_t p = top; p != place;) {
+    for (std::uint32_t p = top; p != place;) {  // to the place in front of the PP-node, or a way already marked
       p = tree.links()[p >> 1].parent;
       visit_[p] = std::max(visit_[p], on_the_way);
     }

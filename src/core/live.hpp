@@ -39,6 +39,8 @@ class LiveCell {
 
   // Hands out all fragments of a tree just built.
   void start(const CellTree& tree, const EmitTarget& target, Workspace& w, Block& block, std::uint32_t update);
+  // The tree has been made anew: all fragments go, and are handed out again.
+  void start_again(const CellTree& tree, const EmitTarget& target, Workspace& w);
   // Brings the fragments up to date with the tree. Before its first change in an update, `begin` says which update it is, and where
   // the fragments are.
   void begin(Block& block, std::uint32_t update);
@@ -65,9 +67,10 @@ class LiveCell {
 
   std::uint32_t state_of(const CellTree& tree, Child c) const;
   void make_room(const CellTree& tree);
+  void emit_all(const CellTree& tree, const EmitTarget& target, Workspace& w);
   void drop(std::uint32_t fragment);
   void drop_below(const CellTree& tree, std::uint32_t place);
-  void find_state(const CellTree& tree, const EmitTarget& target, std::uint32_t node);
+  bool find_state(const CellTree& tree, const EmitTarget& target, std::uint32_t node);
   void emit_in_front(const CellTree& tree, std::uint32_t piece, std::uint32_t way, const EmitTarget& target, Workspace& w);
   void emit_piece(const CellTree& tree, std::uint32_t piece, const EmitTarget& target, Workspace& w);
   void add(const CellTree& tree, std::uint32_t piece, std::uint32_t place, std::uint32_t state, std::span<const ConeCorner> cone,

@@ -65,13 +65,18 @@ Prefix::Prefix(std::vector<Vec3> rays, bool far, std::uint32_t facets_per_cell, 
       const std::size_t cut = range.begin + static_cast<std::size_t>(middle - here.begin());
       if (cut > range.begin && cut < range.end) {
         branch = Branch::node(static_cast<std::uint32_t>(nodes_.size()));
+        node_above_.push_back({range.parent, range.side});
         nodes_.push_back({static_cast<std::uint32_t>(lines.size()), {Branch::cell(0), Branch::cell(0)}});
         lines.push_back({{n[0], n[1], n[2]}, 0.0f, none, none});  // the line is what these numbers say: no error
         pending.push_back({cut, range.end, branch.index(), 1, range.depth + 1});
         pending.push_back({range.begin, cut, branch.index(), 0, range.depth + 1});
       }
     }
-    if (branch.is_cell()) ++cells_, depth_.push_back(range.depth);
+    if (branch.is_cell()) {
+      ++cells_;
+      depth_.push_back(range.depth);
+      cell_above_.push_back({range.parent, range.side});
+    }
     if (range.parent == none) {
       root_ = branch;
     } else {

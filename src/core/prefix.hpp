@@ -33,6 +33,25 @@ class Prefix {
   Branch root() const { return root_; }
   std::uint32_t depth_of(std::uint32_t cell) const { return depth_[cell]; }
 
+  // The part of a cone that filter() delivers to one cell. Takes the cone; null if none comes there.
+  template <class Lines>
+  Cone* part_in(std::uint32_t cell, Cone* cone, std::span<const VertexRay> rays, const Lines& lines, ConePool& pool,
+                std::vector<std::int8_t>& spill) const {
+    std::vector<Step> way;
+    for (Step s = cell_above_[cell]; s.node != none; s = node_above_[s.node]) way.push_back(s);
+    std::uint64_t on = 0;
+    for (auto s = way.rbegin(); s != way.rend(); ++s) {
+      const Line& line = lines(nodes_[s->node].line);
+      Cone* cut_off;
+      const std::uint32_t side = sift(
+          cone, line.n, line.error, nodes_[s->node].line, rays, lines, [](EdgeRef) { return true; }, pool, spill, cut_off, on);
+      if (side != s->side) std::swap(cone, cut_off);
+      if (cut_off) pool.give_back(cut_off);
+      if (!cone) return nullptr;
+    }
+    return cone;
+  }
+
   // Filters a cone into the cells it meets; deliver(cell, cone) takes each part.
   template <class Lines, class Deliver>
   void filter(Cone* cone, std::span<const VertexRay> rays, const Lines& lines, ConePool& pool, std::vector<std::int8_t>& spill,
@@ -61,8 +80,13 @@ class Prefix {
   }
 
  private:
+  struct Step {
+    std::uint32_t node, side;  // node: none above the root
+  };
+
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> depth_;  // by cell
+  std::vector<Step> cell_above_, node_above_;
   Branch root_ = Branch::cell(0);
   std::size_t cells_ = 0;
 };

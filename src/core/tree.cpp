@@ -17,6 +17,23 @@ void CellTree::clear() {
   counts_ = {};
 }
 
+void CellTree::start_again(std::vector<std::uint32_t>& given_up) {
+  for (std::size_t node = 0; node < nodes_.size(); ++node) {
+    if (links_[node].owner == marked && links_[node].first == line_reported) given_up.push_back(nodes_[node].id);
+  }
+  root_ = Child::out();
+  nodes_.clear(), links_.clear(), pieces_.clear(), corners_.clear(), local_lines_.clear();
+  free_corners_.clear();
+  free_nodes_.clear(), free_pieces_.clear(), free_lines_.clear(), idle_lines_.clear();
+  pp_nodes_ = marked_nodes_ = 0;
+  for (Entry& e : entries_) e.first = none, e.pieces = 0;
+}
+
+void CellTree::insert_again(std::uint32_t entry, Cone* cone, Workspace& w) {
+  cone->entry = entry;
+  insert_at(cone, root_place, w);
+}
+
 std::uint32_t CellTree::insert(Cone* cone, Workspace& w) {
   std::uint32_t entry;
   if (free_entries_.empty()) {

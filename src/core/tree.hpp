@@ -67,6 +67,7 @@ struct NodeLinks {
 };
 inline constexpr std::uint32_t marked = none;        // an SP-node whose piece is gone (CS95, section 3.1)
 inline constexpr std::uint32_t released = none - 1;  // no node at all
+inline constexpr std::uint32_t line_reported = 1;    // NodeLinks::first of a marked node: its line has been reported as kept
 
 struct Location {  // of a facet: in which cell, which entry
   std::uint32_t cell = none, entry = none;
@@ -129,6 +130,9 @@ class CellTree {
  public:
   explicit CellTree(const LightTables& tables) : tables_(&tables) {}
   void clear();  // as new, but for its memory
+  // Forgets everything but its entries, which then are to be inserted again. Reports lines as remove() does.
+  void start_again(std::vector<std::uint32_t>& given_up);
+  void insert_again(std::uint32_t entry, Cone* cone, Workspace& w);
 
   // Filters a cone down and attaches, or stores, what is left of it where it comes to rest (CS95, section 2). Takes the cone. Returns the
   // facet's entry. Faces that do not cast should come after all those that do.
@@ -152,6 +156,7 @@ class CellTree {
   std::span<const ConeCorner> corners(const Piece& p) const { return std::span(corners_).subspan(p.first_corner, p.corner_count); }
   std::size_t local_lines() const { return local_lines_.size() - free_lines_.size(); }
   std::size_t live_nodes() const { return nodes_.size() - free_nodes_.size(); }
+  std::size_t live_entries() const { return entries_.size() - free_entries_.size(); }
   std::size_t live_pieces() const { return pieces_.size() - free_pieces_.size(); }
   std::size_t pp_nodes() const { return pp_nodes_; }
   std::size_t marked_nodes() const { return marked_nodes_; }

@@ -22,8 +22,6 @@
 namespace shadowcut {
 namespace {
 
-constexpr std::uint32_t reported = 1;  // NodeLinks::first of a marked node: its line has been reported as kept
-
 bool has_edge_on(std::span<const ConeCorner> corners, std::uint32_t line) {
   return std::any_of(corners.begin(), corners.end(), [line](const ConeCorner& c) { return c.edge.line() == line; });
 }
@@ -66,7 +64,7 @@ void CellTree::remove(std::span<const std::uint32_t> entries, Workspace& w, std:
     if (links_[node].owner != marked) continue;
     ++counts_.deferred;
     if (nodes_[node].id >= first_local_line) continue;
-    links_[node].first = reported;
+    links_[node].first = line_reported;
     kept.push_back(nodes_[node].id);
   }
   new_marks_.clear();
@@ -133,7 +131,7 @@ void CellTree::release_node(std::uint32_t node, bool is_sp) {
   if (is_sp) {
     if (links_[node].owner == marked) {
       --marked_nodes_;
-      if (links_[node].first == reported) given_up_lines_.push_back(nodes_[node].id);
+      if (links_[node].first == line_reported) given_up_lines_.push_back(nodes_[node].id);
     }
     count_use(nodes_[node].id, false);
   } else {
