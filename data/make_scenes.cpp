@@ -1,5 +1,5 @@
-// Writes the shipped scenes: make_scenes FOLDER. An OBJ each, in world coordinates with all their digits, and scenes.json with their
-// lights.
+// Writes the shipped scenes: make_scenes FOLDER. An OBJ each, in world coordinates with all their digits; scenes.json with their lights;
+// and room4_edits.jsonl, a computer's way across the fourth room. Or any scene's OBJ: make_scenes FOLDER NAME..., with names as city:100.
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -42,6 +42,19 @@ std::string obj(const SceneData& data) {
   return text;
 }
 
+// A computer of room(4) is lifted over its neighbours, carried across the room below the lamp, and put on the floor: 40 updates.
+std::string walk() {
+  constexpr int steps = 40;
+  std::string text;
+  for (int k = 1; k <= steps; ++k) {
+    const char* by = k == 1 ? "[0,0,0.5]" : k == steps ? "[0,0,-1.23]" : "[0.25,0.15625,0]";
+    for (const char* object : {"computer.1", "screen.1"})
+      text.append("{\"op\":\"move\",\"object\":\"").append(object).append("\",\"translate\":").append(by).append("}\n");
+    text += "{\"op\":\"update\"}\n";
+  }
+  return text;
+}
+
 bool has_holes(const SceneData& data) {
   return std::any_of(data.objects.begin(), data.objects.end(), [](const auto& object) {
     for (std::size_t f = 0; f < object.first.face_count(); ++f)
@@ -56,32 +69,50 @@ bool write(const std::string& path, const std::string& text) {
   return static_cast<bool>(out.flush());
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  namespace make = shadowcut::scenes;
-  if (argc != 2) {
-    std::cerr << "usage: make_scenes FOLDER\n";
+// Zero, or the program's exit status.
+int write_obj(const std::string& folder, const SceneData& data) {
+  if (has_holes(data)) {
+    std::cerr << data.name << ": OBJ has no holes\n";
+    return 1;
+  }
+  const std::string path = folder + "/" + data.name + ".obj";
+  if (!write(path, obj(data))) {
+    std::cerr << "cannot write " << path << "\n";
     return 2;
   }
-  const std::string folder = argv[1];
+  std::printf("%-16s %6zu polygons, light %s\n", data.name.c_str(), polygon_count(data), spec(data.light).c_str());
+  return 0;
+}
+
+int write_shipped(const std::string& folder) {
+  namespace make = shadowcut::scenes;
   const SceneData all[] = {make::room(1),           make::room(2),        make::room(3),        make::room(4),
                            make::tetrahedron(2),    make::tetrahedron(3), make::tetrahedron(4), make::city(8),
                            make::spheres(5, 12, 8), make::triangles(200), make::branch(3)};
   std::string index;
   for (const SceneData& data : all) {
-    if (has_holes(data)) {
-      std::cerr << data.name << ": OBJ has no holes\n";
-      return 1;
-    }
-    const std::string file = data.name + ".obj";
-    if (!write(folder + "/" + file, obj(data))) {
-      std::cerr << "cannot write " << folder << "/" << file << "\n";
+    if (const int status = write_obj(folder, data); status != 0) return status;
+    index += index.empty() ? "{\n" : ",\n";
+    index += "  \"" + data.name + ".obj\": {\"light\": \"" + spec(data.light) + "\", ";
+    index += "\"polygons\": " + std::to_string(polygon_count(data)) + "}";
+  }
+  return write(folder + "/scenes.json", index + "\n}\n") && write(folder + "/room4_edits.jsonl", walk()) ? 0 : 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::cerr << "usage: make_scenes FOLDER [NAME...]\n";
+    return 2;
+  }
+  if (argc == 2) return write_shipped(argv[1]);
+  for (int i = 2; i < argc; ++i) {
+    try {
+      if (const int status = write_obj(argv[1], shadowcut::scenes::named(argv[i])); status != 0) return status;
+    } catch (const shadowcut::Error& error) {
+      std::cerr << error.what() << "\n";
       return 2;
     }
-    index += index.empty() ? "{\n" : ",\n";
-    index += "  \"" + file + "\": {\"light\": \"" + spec(data.light) + "\", \"polygons\": " + std::to_string(polygon_count(data)) + "}";
-    std::printf("%-16s %6zu polygons\n", data.name.c_str(), polygon_count(data));
   }
-  return write(folder + "/scenes.json", index + "\n}\n") ? 0 : 2;
 }

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 namespace shadowcut::scenes {
 
@@ -451,6 +453,39 @@ SceneData branch(int levels) {
   add(data, rectangle({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}), "ground");
   Twig{data}.grow({0, 0, 0}, {0.125, 0.0625, 1}, 0.0625, levels);
   return data;
+}
+
+namespace {
+
+// Whole numbers with commas between; nothing when there is anything else.
+std::vector<std::uint32_t> sizes_of(std::string_view text) {
+  std::vector<std::uint32_t> sizes;
+  const char *at = text.data(), *const end = at + text.size();
+  while (at != end) {
+    std::uint32_t size = 0;
+    const auto [rest, error] = std::from_chars(at, end, size);
+    if (error != std::errc() || size == 0 || (rest != end && (*rest != ',' || rest + 1 == end))) return {};
+    sizes.push_back(size);
+    at = rest == end ? end : rest + 1;
+  }
+  return sizes;
+}
+
+}  // namespace
+
+SceneData named(const std::string& name) {
+  const std::size_t colon = std::min(name.find(':'), name.size());
+  const std::string kind = name.substr(0, colon);
+  const std::vector<std::uint32_t> n = sizes_of(std::string_view(name).substr(std::min(colon + 1, name.size())));
+  if (name == "furnished_room") return furnished_room();
+  if (kind == "spheres" && n.size() == 3) return spheres(n[0], n[1], n[2]);
+  if (kind == "spheres" && n.size() == 1) return spheres(n[0], 64, 33);
+  if (kind == "room" && n.size() == 1 && n[0] <= 4) return room(static_cast<int>(n[0]));
+  if (kind == "tetrahedron" && n.size() == 1 && n[0] <= 10) return tetrahedron(static_cast<int>(n[0]));
+  if (kind == "city" && n.size() == 1) return city(n[0]);
+  if (kind == "triangles" && n.size() == 1) return triangles(n[0]);
+  if (kind == "branch" && n.size() == 1 && n[0] <= 10) return branch(static_cast<int>(n[0]));
+  throw Error("there is no scene '" + name + "' (room:4, furnished_room, tetrahedron:3, city:100, spheres:25, triangles:1000, branch:3)");
 }
 
 }  // namespace shadowcut::scenes

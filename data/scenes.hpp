@@ -66,4 +66,8 @@ SceneData triangles(std::uint32_t n);
 // A twig: hexagonal prisms that grow out of one another (their faces cross), with folded two-sided leaves.
 SceneData branch(int levels);
 
+// One of the above by its name: room:4, furnished_room, tetrahedron:3, city:100, spheres:25 (or spheres:5,12,8), triangles:1000, branch:3.
+// Throws Error when there is none.
+SceneData named(const std::string& name);
+
 }  // namespace shadowcut::scenes

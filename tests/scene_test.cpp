@@ -595,5 +595,29 @@ TEST(GeneratedSizes, FurnitureIsClosed) {
   }
 }
 
+TEST(Given, MakesTheObjectAgain) {
+  Scene scene = second(scenes::box({0, 0, 0}, {1, 2, 3}));
+  const ObjectId id = scene.object_id(1);
+  Pose pose = Pose::Identity();
+  pose.translate(Vec3(0.1, 0.2, 0.3));
+  ASSERT_EQ(scene.set_pose(id, pose), Edit::done);
+  std::vector<Vec3> deformed = scenes::box({0, 0, 0}, {1, 2, 3.7}).vertices;
+  ASSERT_EQ(scene.set_vertices(id, deformed), Edit::done);
+  ASSERT_EQ(scene.set_casts(id, false), Edit::done);
+  const Object before = *scene.find(id);
+  const std::vector<Vec3> vertices(scene.vertices().begin() + before.first_vertex,
+                                   scene.vertices().begin() + before.first_vertex + before.vertex_count);
+  const auto given = scene.given(id);
+  ASSERT_TRUE(given);
+  EXPECT_EQ(given->second.sides, Sides::automatic);  // as asked for, not as decided
+  ASSERT_EQ(scene.remove(id), Edit::done);
+  EXPECT_FALSE(scene.given(id));
+  const Object& after = *scene.find(scene.add(given->first, given->second));
+  EXPECT_EQ(after.name, before.name);
+  EXPECT_EQ(after.casts, false);
+  EXPECT_EQ(after.sides, Sides::closed);
+  EXPECT_TRUE(std::equal(vertices.begin(), vertices.end(), scene.vertices().begin() + after.first_vertex));
+}
+
 }  // namespace
 }  // namespace shadowcut::testing

@@ -36,7 +36,8 @@ struct View {
   // camera: in perspective, hidden surfaces removed exactly (by the engine itself, with the eye as a light).
   enum class Kind { plan, face, camera } kind = Kind::plan;
   Vec3 up = Vec3::UnitZ();
-  // plan and camera: the engine's lights in its order, which say what side of an open sheet is lit. Empty: the scene's.
+  // plan and camera: the engine's lights in its order, removed ones included, which say what side of an open sheet is lit. Empty: the
+  // scene's.
   std::vector<Light> lights;
   double cut = std::numeric_limits<double>::infinity();  // plan: what lies higher along up is taken off, a ceiling for one
   std::uint32_t face = none;                             // face: index into Scene::faces()

@@ -221,6 +221,9 @@ class Scene {
   // Null when the id does not name anything here. The pointer lives until the scene changes.
   const Object* find(ObjectId id) const;
   const Light* find(LightId id) const;
+  // What add() takes to make the object again, as it stands: its mesh, with the vertices set last, and its settings. Nothing when the id
+  // does not name anything here. Cost: a copy of the mesh.
+  std::optional<std::pair<Mesh, ObjectSettings>> given(ObjectId id) const;
   // The id of what stands at an index; one that names nothing when the index is free.
   ObjectId object_id(std::size_t index) const;
   LightId light_id(std::size_t index) const;
@@ -279,6 +282,7 @@ class Scene {
   void reserve_room(const std::uint32_t (&counts)[6]);
   void grow_to(const Room& room);
   void touch(std::uint32_t index);
+  void make_newest(std::uint32_t index);
   void set_settings(std::uint32_t index, bool casts, bool receives);
 
   std::uint32_t tag_;  // of this scene and its copies

@@ -1,11 +1,10 @@
 // The command cast: scene and lights in, fragments and figures out.
-#include <algorithm>
-#include <cctype>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "commands.hpp"
+#include "inputs.hpp"
+#include "io/files.hpp"
+#include "outputs.hpp"
 #include "report.hpp"
 #include "specs.hpp"
 
@@ -13,33 +12,12 @@ namespace shadowcut::cli {
 
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-constexpr std::size_t most_issues = 20;
-
-struct NamedLight {
-  Light light;
-  std::string spec;  // as given
-};
-
-std::string extension_of(const std::string& path) {
-  std::string extension = fs::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  return extension;
-}
-
-void check_folder(const std::string& path) {
-  const fs::path folder = fs::absolute(path).parent_path();
-  std::error_code error;
-  if (path.empty() || !fs::is_directory(folder, error)) throw Error(path + ": cannot be written: there is no folder " + folder.string());
-}
-
-// What can be known to fail before the work is done shall fail before the work is done.
 void check_outputs(const CastArguments& a) {
   std::size_t drawings = 0;
   for (const std::string& path : a.outputs) {
-    const std::string extension = extension_of(path);
+    const std::string extension = io::extension_of(path);
     if (extension == ".svg") ++drawings;
     else if (extension != ".obj" && extension != ".ply" && extension != ".gltf" && extension != ".glb")
       throw Error("-o: '" + path + "' ends in none of .obj .ply .gltf .glb .svg");
@@ -49,32 +27,6 @@ void check_outputs(const CastArguments& a) {
   if (!a.json.empty() && a.json != "-") check_folder(a.json);
   if (!a.drawings.empty() && drawings == 0) throw Error("--svg: no output ends in .svg");
   if (a.drawings.size() > 1 && a.drawings.size() != drawings) throw Error("--svg: give one for all drawings, or one for each");
-}
-
-std::vector<NamedLight> given_lights(const CastArguments& a) {
-  std::vector<NamedLight> lights;
-  for (const std::string& spec : a.lights) lights.push_back({parse_light(spec), spec});
-  return lights;
-}
-
-std::vector<NamedLight> lights_of(const Scene& scene, const CastArguments& a) {
-  std::vector<NamedLight> lights;
-  for (const Light& light : scene.lights()) lights.push_back({light, light_spec(light)});
-  if (lights.empty()) throw Error(a.scene + ": the scene has no light of its own, and there is no --light");
-  return lights;
-}
-
-Scene read(const CastArguments& a) {
-  io::ReadOptions options;
-  options.sides = a.sides;
-  Scene scene = io::read_scene(a.scene, options);
-  if (a.strict && !scene.issues().empty()) {
-    list_issues(scene, a.scene, most_issues);
-    throw Error(a.scene + ": " + std::to_string(scene.issues().size()) + " faces refused or repaired, and --strict allows none");
-  }
-  if (!a.quiet) list_issues(scene, a.scene, most_issues);
-  if (scene.facets().empty()) throw Error(a.scene + ": no usable face: see inspect");
-  return scene;
 }
 
 Engine build(const Scene& scene, const CastArguments& a, ProgressBar& bar) {
@@ -133,7 +85,7 @@ std::vector<io::View> views_of(const Scene& scene, const std::vector<NamedLight>
   std::size_t drawing = 0;
   for (const std::string& path : a.outputs) {
     io::View view;
-    if (extension_of(path) == ".svg" && !a.drawings.empty()) {
+    if (io::extension_of(path) == ".svg" && !a.drawings.empty()) {
       view = parse_view(a.drawings.size() == 1 ? a.drawings.front() : a.drawings[drawing], scene);
       ++drawing;
     }
@@ -145,45 +97,19 @@ std::vector<io::View> views_of(const Scene& scene, const std::vector<NamedLight>
   return views;
 }
 
-// Writes one after the other; when one fails, those before it go too.
-class Outputs {
- public:
-  template <typename Write>
-  void write(const std::string& path, const Write& write) {
-    try {
-      write();
-    } catch (...) {
-      for (const std::string& written : written_) remove(written);
-      throw;
-    }
-    written_.push_back(path);
-    if (extension_of(path) == ".obj") written_.push_back(fs::path(path).replace_extension(".mtl").string());
-  }
-
- private:
-  static void remove(const std::string& path) {
-    std::error_code error;
-    if (fs::is_regular_file(path, error)) fs::remove(path, error);
-  }
-  std::vector<std::string> written_;
-};
-
 }  // namespace
 
 void cast(const CastArguments& arguments) {
   CastArguments a = arguments;
-  if (a.options.threads == 0) a.options.threads = std::max(1u, std::thread::hardware_concurrency());
+  a.options.threads = threads_of(a.options.threads);
   check_outputs(a);
-  std::vector<NamedLight> lights = given_lights(a);
+  const std::vector<NamedLight> given = parse_lights(a.lights);
 
   const Clock::time_point start = Clock::now();
-  Scene scene = read(a);
+  Scene scene = read({a.scene, a.sides, a.strict, a.quiet});
   const double load_ms = milliseconds_since(start);
-  if (lights.empty()) lights = lights_of(scene, a);
+  const std::vector<NamedLight> lights = set_lights(scene, given, a.scene);
   const std::vector<io::View> views = views_of(scene, lights, a);
-  std::vector<Light> plain;
-  for (const NamedLight& light : lights) plain.push_back(light.light);
-  scene.replace_lights(plain);
   ProgressBar bar(!a.quiet);
   const Engine engine = build(scene, a, bar);
 

@@ -24,8 +24,19 @@ struct InspectArguments {
   Sides sides = Sides::automatic;
 };
 
-// Both throw Error, or another std::exception, and then have left no output behind.
+struct ReplayArguments {
+  std::string scene, edits;
+  std::vector<std::string> lights;
+  Options options;
+  Sides sides = Sides::automatic;
+  std::string changes, json;  // empty: none
+  bool verify = false, quiet = false;
+};
+
+// All throw Error, or another std::exception, and then have left no output behind.
 void cast(const CastArguments& arguments);
 void inspect(const InspectArguments& arguments);
+// Returns an empty string, or, with `verify`, a sentence that says where an update differs from a rebuild.
+std::string replay(const ReplayArguments& arguments);
 
 }  // namespace shadowcut::cli

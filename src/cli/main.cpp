@@ -1,4 +1,5 @@
-// The program shadowcut: reads its arguments, runs a command, and turns whatever goes wrong into one line and exit status 2.
+// The program shadowcut: reads its arguments, runs a command, and turns whatever goes wrong into one line and exit status 2;
+// a replay that does not verify ends with 1.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
@@ -30,23 +31,30 @@ CLI::Option* add_list(CLI::App& command, const std::string& name, std::vector<st
 }
 
 const std::map<std::string, Sides> sides{{"auto", Sides::automatic}, {"closed", Sides::closed}, {"open", Sides::open}};
+const std::map<std::string, Kernel> kernels{{"fast", Kernel::fast}};
 
-void add_cast(CLI::App& app, CastArguments& a) {
-  CLI::App& command = *app.add_subcommand("cast", "Cut the faces of a scene into lit and shadowed fragments");
+// What cast and replay have in common.
+template <typename Arguments>
+void add_casting(CLI::App& command, Arguments& a) {
   command.add_option("SCENE", a.scene, "Scene file: .obj .ply .off .stl .gltf .glb .dae .fbx .ifc and others")->required();
   add_list(command, "--light", a.lights, "point:x,y,z or sun:dx,dy,dz (direction of travel); none: the scene's own lights")
       ->type_name("SPEC");
-  add_choice<Kernel>(command, "--kernel", a.options.kernel, {{"fast", Kernel::fast}}, "Arithmetic");
+  add_choice<Kernel>(command, "--kernel", a.options.kernel, kernels, "Arithmetic");
+  add_choice<Sides>(command, "--sides", a.sides, sides, "Which sides of faces count (auto)");
+  command.add_option("--threads", a.options.threads, "0: one for each processor")->check(CLI::Range(0, 4096));
+  command.add_option("--json", a.json, "Summary; - is standard output")->type_name("FILE");
+  command.add_flag("--quiet", a.quiet, "Say nothing but errors");
+}
+
+void add_cast(CLI::App& app, CastArguments& a) {
+  CLI::App& command = *app.add_subcommand("cast", "Cut the faces of a scene into lit and shadowed fragments");
+  add_casting(command, a);
   add_choice<Form>(command, "--form", a.options.form,
                    {{"pieces", Form::pieces}, {"merged", Form::merged}, {"conforming", Form::conforming}},
                    "Form of the fragments (merged)");
-  add_choice<Sides>(command, "--sides", a.sides, sides, "Which sides of faces count (auto)");
-  command.add_option("--threads", a.options.threads, "0: one for each processor")->check(CLI::Range(0, 4096));
   add_list(command, "-o", a.outputs, "Fragments: .obj .ply .gltf .glb, or a drawing: .svg")->type_name("FILE");
   command.add_option("--areas", a.areas, "Areas of every face, as comma separated values")->type_name("FILE");
-  command.add_option("--json", a.json, "Summary; - is standard output")->type_name("FILE");
   command.add_flag("--strict", a.strict, "Refuse a scene with refused or repaired faces");
-  command.add_flag("--quiet", a.quiet, "Say nothing but errors");
   add_list(command, "--svg", a.drawings,
            "Drawing for .svg: plan, plan:HEIGHT (cut there), OBJECT:FACE, or ex,ey,ez,tx,ty,tz[,fov]; one for each .svg, or one for all")
       ->type_name("VIEW");
@@ -65,14 +73,31 @@ void add_inspect(CLI::App& app, InspectArguments& a) {
   add_choice<Sides>(command, "--sides", a.sides, sides, "Which sides of faces count (auto)");
 }
 
+void add_replay(CLI::App& app, ReplayArguments& a) {
+  CLI::App& command = *app.add_subcommand("replay", "Apply a script of edits to a scene, and follow its shadows update by update");
+  add_casting(command, a);
+  command.add_option("EDITS", a.edits, "One edit a line, as JSON: move, pose, remove, add, light, update")->required()->type_name("FILE");
+  command.add_flag("--verify", a.verify, "Compare every update with a rebuild; exit status 1 on a difference");
+  command.add_option("--changes", a.changes, "What each update changed, one JSON object a line for each light")->type_name("FILE");
+  command.add_option("--join-threshold", a.options.join_threshold, "Planes left behind go when a side has no more nodes than this (16)");
+}
+
+int fail(std::string message, int status) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::cerr << "shadowcut: " << message << std::endl;
+  return status;
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Exact shadow geometry", "shadowcut");
   app.set_version_flag("--version", "shadowcut " SHADOWCUT_VERSION);
   app.require_subcommand(1);
   CastArguments cast_arguments;
   InspectArguments inspect_arguments;
+  ReplayArguments replay_arguments;
   add_cast(app, cast_arguments);
   add_inspect(app, inspect_arguments);
+  add_replay(app, replay_arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
@@ -81,14 +106,10 @@ int run(int argc, char** argv) {
     throw Error(error.what());
   }
   if (app.got_subcommand("cast")) cast(cast_arguments);
-  else inspect(inspect_arguments);
-  return 0;
-}
-
-int fail(std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  std::cerr << "shadowcut: " << message << std::endl;
-  return 2;
+  if (app.got_subcommand("inspect")) inspect(inspect_arguments);
+  if (!app.got_subcommand("replay")) return 0;
+  const std::string difference = replay(replay_arguments);
+  return difference.empty() ? 0 : fail(difference, 1);
 }
 
 }  // namespace
@@ -100,8 +121,8 @@ int main(int argc, char** argv) {
   try {
     return shadowcut::cli::run(argc, argv);
   } catch (const std::bad_alloc&) {
-    return shadowcut::cli::fail("out of memory");
+    return shadowcut::cli::fail("out of memory", 2);
   } catch (const std::exception& error) {
-    return shadowcut::cli::fail(error.what());
+    return shadowcut::cli::fail(error.what(), 2);
   }
 }

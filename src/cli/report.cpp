@@ -52,6 +52,7 @@ std::string Table::text() const {
 
 std::string significant(double value) { return formatted("%.6g", value); }
 std::string tenths(double value) { return formatted("%.1f", value); }
+std::string thousandths(double value) { return formatted("%.3f", value); }
 
 ProgressBar::ProgressBar(bool wanted) : wanted_(wanted && ::isatty(STDERR_FILENO) != 0) {}
 

@@ -28,6 +28,7 @@ class Table {
 
 std::string significant(double value);  // six digits
 std::string tenths(double value);
+std::string thousandths(double value);
 
 // A bar on standard error, from half a second on, if that is a terminal.
 class ProgressBar {

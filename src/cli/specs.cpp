@@ -45,7 +45,7 @@ std::optional<io::View> face_view(std::string_view object, std::string_view numb
   const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), face);
   if (number.empty() || error != std::errc() || rest != number.data() + number.size()) return std::nullopt;
   for (const Object& o : scene.objects()) {
-    if (o.name != object) continue;
+    if (!o.alive || o.name != object) continue;
     if (face >= o.face_count) throw Error("--svg: object '" + o.name + "' has no face " + std::to_string(face));
     io::View view;
     view.kind = io::View::Kind::face;

@@ -156,10 +156,14 @@ void Scene::clear_room(std::uint32_t index) {
   std::erase_if(issues_, [index](const Issue& i) { return i.object == index; });
 }
 
-// Puts an object at the end of the list by last change.
 void Scene::touch(std::uint32_t index) {
+  slots_[index].revision = ++revision_;
+  make_newest(index);
+}
+
+// Puts an object at the end of the list by last change.
+void Scene::make_newest(std::uint32_t index) {
   Slot& slot = slots_[index];
-  slot.revision = ++revision_;
   if (newest_ == index) return;
   if (slot.older != none) slots_[slot.older].newer = slot.newer;
   if (slot.newer != none) slots_[slot.newer].older = slot.older;
@@ -394,6 +398,13 @@ void Scene::replace_lights(std::span<const Light> lights) {
 const Object* Scene::find(ObjectId id) const { return locate(id) == Edit::done ? &objects_[id.index] : nullptr; }
 const Light* Scene::find(LightId id) const { return locate(id) == Edit::done ? &lights_[id.index] : nullptr; }
 
+std::optional<std::pair<Mesh, ObjectSettings>> Scene::given(ObjectId id) const {
+  const Object* o = find(id);
+  if (o == nullptr) return std::nullopt;
+  const Source& source = *slots_[id.index].source;
+  return std::pair(source.mesh, ObjectSettings{o->name, o->pose, source.sides, o->casts, o->receives, o->moves});
+}
+
 ObjectId Scene::object_id(std::size_t index) const {
   if (index >= objects_.size() || !objects_[index].alive) return {};
   return {static_cast<std::uint32_t>(index), slots_[index].generation, tag_};
@@ -412,6 +423,7 @@ void Scene::copy_objects(const Scene& from, std::span<const std::uint32_t> indic
   if (objects_.size() < from.objects_.size()) {
     Object empty{};
     empty.alive = false;
+    for (std::uint32_t i = count_of(objects_); i < from.objects_.size(); ++i) free_objects_.push_back(i);
     objects_.resize(from.objects_.size(), empty);
     slots_.resize(from.slots_.size());
   }
@@ -419,22 +431,36 @@ void Scene::copy_objects(const Scene& from, std::span<const std::uint32_t> indic
     rooms_.push_back(from.rooms_[r]);
     rooms_.back().owner = none;
     grow_to(rooms_.back());
+    free_rooms_.emplace(rooms_.back().count[corner_array], static_cast<std::uint32_t>(r));
   }
   for (const std::uint32_t i : indices) {
-    if (slots_[i].room == none) continue;
+    const std::uint32_t room = slots_[i].room;
+    if (room == none) continue;
     clear_room(i);
-    rooms_[slots_[i].room].owner = none;
+    rooms_[room].owner = none;
+    free_rooms_.emplace(rooms_[room].count[corner_array], room);
   }
   for (const std::uint32_t i : indices) {
     const Slot& slot = from.slots_[i];
+    if (objects_[i].alive != from.objects_[i].alive) {
+      if (from.objects_[i].alive) {
+        std::erase(free_objects_, i);
+      } else {
+        free_objects_.push_back(i);
+      }
+    }
     objects_[i] = from.objects_[i];
     slots_[i].room = slot.room;
     slots_[i].generation = slot.generation;
     slots_[i].revision = slot.revision;
+    slots_[i].source = slot.source;
     revision_ = std::max(revision_, slot.revision);
+    make_newest(i);
     if (slot.room == none) continue;
     Room& room = rooms_[slot.room];
     room.owner = i;
+    const auto [first, last] = free_rooms_.equal_range(room.count[corner_array]);
+    free_rooms_.erase(std::find_if(first, last, [&slot](const auto& r) { return r.second == slot.room; }));
     const auto copy = [&room](auto& to, const auto& source, Array a) {
       std::copy_n(source.begin() + room.first[a], room.count[a], to.begin() + room.first[a]);
     };

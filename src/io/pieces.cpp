@@ -9,8 +9,8 @@ namespace shadowcut::io {
 
 namespace {
 
-void take_one_light(const Shadows& shadows, Pieces& out) {
-  out.sets = {{{0}, "lit"}, {{}, "shadowed"}};
+void take_one_light(std::uint32_t light, const Shadows& shadows, Pieces& out) {
+  out.sets = {{{light}, "lit"}, {{}, "shadowed"}};
   for (const Block& block : shadows.blocks) {
     const std::size_t base = out.corners.size();
     out.corners.insert(out.corners.end(), block.corners.begin(), block.corners.end());
@@ -26,12 +26,12 @@ std::string name_of(const std::vector<std::uint32_t>& lights) {
   return name;
 }
 
-void take_several(LightSets&& all, Pieces& out) {
+void take_several(const std::vector<std::uint32_t>& engine_lights, LightSets&& all, Pieces& out) {
   std::map<std::vector<std::uint32_t>, std::uint32_t> sets;
   std::vector<std::uint32_t> lights;
   const auto lights_of = [&](std::size_t fragment) -> const std::vector<std::uint32_t>& {
     lights.clear();
-    for (std::uint32_t k = 0; k < out.light_count; ++k)
+    for (const std::uint32_t k : engine_lights)
       if (all.reaches(fragment, k)) lights.push_back(k);
     return lights;
   };
@@ -60,12 +60,20 @@ bool same_bits(const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
+std::vector<std::uint32_t> lights_of(const Engine& engine) {
+  std::vector<std::uint32_t> lights;
+  for (std::uint32_t k = 0; k < engine.light_count(); ++k)
+    if (engine.scene().light_id(k).index != none) lights.push_back(k);
+  return lights;
+}
+
 Pieces pieces_of(const Scene& scene, const Engine& engine) {
   Pieces out;
-  out.light_count = engine.light_count();
-  if (out.light_count == 0) throw Error("no light");
-  if (out.light_count == 1) take_one_light(engine.shadows(0), out);
-  else take_several(engine.combined(), out);
+  const std::vector<std::uint32_t> lights = lights_of(engine);
+  out.light_count = lights.size();
+  if (lights.empty()) throw Error("no light");
+  if (lights.size() == 1) take_one_light(lights.front(), engine.shadows(lights.front()), out);
+  else take_several(lights, engine.combined(), out);
   std::stable_sort(out.pieces.begin(), out.pieces.end(), [&](const Piece& a, const Piece& b) {
     const std::uint32_t object_a = scene.faces()[a.face].object, object_b = scene.faces()[b.face].object;
     return object_a != object_b ? object_a < object_b : a.set < b.set;

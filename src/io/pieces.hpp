@@ -10,7 +10,7 @@
 namespace shadowcut::io {
 
 struct LightSet {
-  std::vector<std::uint32_t> lights;  // that reach the piece, ascending
+  std::vector<std::uint32_t> lights;  // that reach the piece, ascending; indices of the engine's
   std::string name;                   // "lit", "shadowed"; with several lights "lit by 0+2"
 };
 
@@ -25,12 +25,15 @@ struct Pieces {
   std::vector<Piece> pieces;  // by object, then by set; otherwise in the engine's order
   std::vector<Vec3> corners;
   std::vector<LightSet> sets;
-  std::size_t light_count = 0;
+  std::size_t light_count = 0;  // without those that have been removed
 
   std::span<const Vec3> corners_of(const Piece& p) const { return std::span(corners).subspan(p.first_corner, p.corner_count); }
   // The share of the lights that reach the piece, 0 to 1.
   double brightness(const LightSet& set) const { return static_cast<double>(set.lights.size()) / static_cast<double>(light_count); }
 };
+
+// The engine's lights that have not been removed, ascending.
+std::vector<std::uint32_t> lights_of(const Engine& engine);
 
 Pieces pieces_of(const Scene& scene, const Engine& engine);
 

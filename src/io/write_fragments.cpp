@@ -24,7 +24,7 @@ Vec3 colour_of(double brightness) { return Vec3(0.40, 0.44, 0.52) + brightness *
 
 void write_fragments(const std::string& path, const Scene& scene, const Engine& engine, const View& view) {
   const std::string extension = extension_of(path);
-  if (engine.light_count() == 0) throw Error(path + ": no light to draw by");
+  if (lights_of(engine).empty()) throw Error(path + ": no light to draw by");
   if (extension == ".obj") write_obj(path, scene, pieces_of(scene, engine));
   else if (extension == ".ply") write_ply(path, scene, pieces_of(scene, engine));
   else if (extension == ".gltf" || extension == ".glb") write_gltf(path, scene, pieces_of(scene, engine), extension == ".glb");
@@ -34,10 +34,11 @@ void write_fragments(const std::string& path, const Scene& scene, const Engine& 
 
 void write_areas(const std::string& path, const Scene& scene, const Engine& engine) {
   std::string text = "light,object,face,facing,area,lit_area,shadowed_area\n";
-  for (std::size_t k = 0; k < engine.light_count(); ++k) {
+  for (const std::uint32_t k : lights_of(engine)) {
     const Shadows& shadows = engine.shadows(k);
     for (std::size_t f = 0; f < scene.faces().size(); ++f) {
       const Face& face = scene.faces()[f];
+      if (face.object == none) continue;
       const FaceArea& area = shadows.areas[f];
       append(text, std::uint64_t{k});
       text.append(",").append(csv_name(scene.objects()[face.object].name)).append(",");

@@ -99,8 +99,10 @@ void write_ply(const std::string& path, const Scene& scene, const Pieces& pieces
   for (const Piece& piece : pieces.pieces) most = std::max(most, piece.corner_count);
 
   std::string text = "ply\nformat ascii 1.0\n";
-  for (std::size_t i = 0; i < scene.objects().size(); ++i)
+  for (std::size_t i = 0; i < scene.objects().size(); ++i) {
+    if (!scene.objects()[i].alive) continue;
     text += "comment object " + std::to_string(i) + " " + printable(scene.objects()[i].name) + "\n";
+  }
   for (std::size_t i = 0; i < pieces.sets.size(); ++i) text += "comment light_set " + std::to_string(i) + " " + pieces.sets[i].name + "\n";
   text += "comment face is numbered within its object; lit is the number of lights that reach the fragment\n";
   text +=

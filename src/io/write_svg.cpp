@@ -127,8 +127,16 @@ void legend(SvgPage& page, const Colour& lit, const Colour& shadowed) {
 
 class Plan {
  public:
-  Plan(const Scene& scene, const Pieces& pieces, const View& view, const std::vector<Light>& lights)
-      : scene_(scene), pieces_(pieces), view_(view), lights_(lights), page_(view.width, view.height, paper), creases_(scene) {
+  // `lights` are all of the engine's, `shining` the indices of those that have not been removed.
+  Plan(const Scene& scene, const Pieces& pieces, const View& view, const std::vector<Light>& lights,
+       const std::vector<std::uint32_t>& shining)
+      : scene_(scene),
+        pieces_(pieces),
+        view_(view),
+        lights_(lights),
+        shining_(shining),
+        page_(view.width, view.height, paper),
+        creases_(scene) {
     frame_.towards = view.up.normalized();
     frame_.right = any_normal_to(view.up);
     frame_.above = frame_.towards.cross(frame_.right);
@@ -142,7 +150,7 @@ class Plan {
     for (const Knot& c : points_) box.extend(c.at);
     const Fit fit(box, page_);
     for (const Sheet& sheet : sheets_) paint(sheet, fit);
-    for (const Light& light : lights_) mark(light, fit);
+    for (const std::uint32_t k : shining_) mark(lights_[k], fit);
     page_.scale_bar(fit.scale());
     legend(page_, colour_of(1), colour_of(0));
     return page_.finish();
@@ -204,6 +212,7 @@ class Plan {
   const Pieces& pieces_;
   const View& view_;
   const std::vector<Light>& lights_;
+  const std::vector<std::uint32_t>& shining_;
   SvgPage page_;
   Creases creases_;
   Frame frame_;
@@ -216,7 +225,7 @@ class Plan {
 // ---- face
 
 std::string draw_face(const Scene& scene, const Pieces& pieces, const View& view) {
-  if (view.face >= scene.faces().size()) throw Error("no such face to draw");
+  if (view.face >= scene.faces().size() || scene.faces()[view.face].object == none) throw Error("no such face to draw");
   const Face& face = scene.faces()[view.face];
   const Object& object = scene.objects()[face.object];
   const std::string title = object.name + ", face " + std::to_string(face.number);
@@ -340,9 +349,14 @@ class CameraView {
 };
 
 std::string draw(const Scene& scene, const Engine& engine, const View& view, const std::vector<Light>& lights) {
-  if (view.kind == View::Kind::camera) return CameraView(scene, view, lights).draw();
+  const std::vector<std::uint32_t> shining = lights_of(engine);
+  if (view.kind == View::Kind::camera) {
+    std::vector<Light> some;
+    for (const std::uint32_t k : shining) some.push_back(lights[k]);
+    return CameraView(scene, view, some).draw();
+  }
   const Pieces pieces = pieces_of(scene, engine);
-  return view.kind == View::Kind::face ? draw_face(scene, pieces, view) : Plan(scene, pieces, view, lights).draw();
+  return view.kind == View::Kind::face ? draw_face(scene, pieces, view) : Plan(scene, pieces, view, lights, shining).draw();
 }
 
 }  // namespace

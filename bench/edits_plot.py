@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""Draws docs/updates.svg, the time of an update against the size of the scene: bench/edits_plot.py bench/baseline/edits.json docs/updates.svg
+
+Both axes are logarithmic. For cities and for spheres: the full rebuild, and the next move of one object: its median, with a bar up to the
+99.9th percentile.
+"""
+import json
+import math
+import sys
+
+WIDTH, HEIGHT = 900, 560
+LEFT, RIGHT, TOP, BOTTOM = 86, 236, 56, 70
+INK, GRID, SOFT = "#222", "#dcdcdc", "#666"
+SERIES = (  # group, name of what moves, colour
+    ("city", "one building of a city", "#1b6ca8"),
+    ("spheres", "one sphere of many", "#b5532a"),
+)
+
+
+def decades(values):
+    """Whole powers of ten around the values."""
+    return math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
+
+
+class Axis:
+    def __init__(self, low, high, start, end):
+        self.low, self.high, self.start, self.end = low, high, start, end
+
+    def __call__(self, value):
+        share = (math.log10(value) - self.low) / (self.high - self.low)
+        return self.start + share * (self.end - self.start)
+
+    def ticks(self):
+        for power in range(self.low, self.high + 1):
+            yield 10.0 ** power, True
+            if power < self.high:
+                for k in range(2, 10):
+                    yield k * 10.0 ** power, False
+
+
+def count_text(value):
+    return f"{value:,.0f}".replace(",", " ")
+
+
+def time_text(ms):
+    if ms >= 1000:
+        return f"{ms / 1000:g} s"
+    return f"{ms:g} ms" if ms >= 1 else f"{ms * 1000:g} µs"
+
+
+def text(x, y, words, anchor="start", size=13, colour=INK, more=""):
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" font-size="{size}" fill="{colour}"{more}>{words}</text>'
+
+
+def line(x1, y1, x2, y2, colour, width=1.0, more=""):
+    return f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{colour}" stroke-width="{width}"{more}/>'
+
+
+def grid(x, y):
+    for value, is_major in x.ticks():
+        at = x(value)
+        yield line(at, TOP, at, HEIGHT - BOTTOM, GRID, 1 if is_major else 0.4)
+        if is_major:
+            yield text(at, HEIGHT - BOTTOM + 20, count_text(value), "middle", colour=SOFT)
+    for value, is_major in y.ticks():
+        at = y(value)
+        yield line(LEFT, at, WIDTH - RIGHT, at, GRID, 1 if is_major else 0.4)
+        if is_major:
+            yield text(LEFT - 9, at + 4.5, time_text(value), "end", colour=SOFT)
+    yield f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH - LEFT - RIGHT}" height="{HEIGHT - TOP - BOTTOM}" fill="none" stroke="{SOFT}"/>'
+    yield text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 22, "faces turned to the light", "middle", 14)
+    middle = (TOP + HEIGHT - BOTTOM) / 2
+    yield text(24, middle, "time (steady clock)", "middle", 14, more=f' transform="rotate(-90 24 {middle:.1f})"')
+
+
+def path(points, colour, dashes=""):
+    corners = " ".join(f"{px:.1f},{py:.1f}" for px, py in points)
+    return f'<polyline points="{corners}" fill="none" stroke="{colour}" stroke-width="2"{dashes}/>'
+
+
+def curves(rows, x, y, colour):
+    rebuild = [(x(r["facing_faces"]), y(r["rebuild_ms"]["median"])) for r in rows]
+    update = [(x(r["facing_faces"]), y(r["next"]["update_ms"]["median"])) for r in rows]
+    yield path(rebuild, colour, ' stroke-dasharray="7 4"')
+    for px, py in rebuild:
+        yield f'<rect x="{px - 3.5:.1f}" y="{py - 3.5:.1f}" width="7" height="7" fill="white" stroke="{colour}" stroke-width="1.6"/>'
+    for (px, py), r in zip(update, rows):
+        top = y(r["next"]["update_ms"]["p999"])
+        yield line(px, py, px, top, colour, 1.2) + line(px - 4, top, px + 4, top, colour, 1.2)
+    yield path(update, colour)
+    for px, py in update:
+        yield f'<circle cx="{px:.1f}" cy="{py:.1f}" r="4.2" fill="{colour}"/>'
+
+
+def legend(shown):
+    at, column = TOP + 12, WIDTH - RIGHT + 22
+    for _, name, colour in shown:
+        yield text(column, at, name, size=13.5, more=' font-weight="bold"')
+        yield line(column, at + 19, column + 34, at + 19, colour, 2, ' stroke-dasharray="7 4"')
+        yield f'<rect x="{column + 13.5}" y="{at + 15.5}" width="7" height="7" fill="white" stroke="{colour}" stroke-width="1.6"/>'
+        yield text(column + 44, at + 24, "full rebuild")
+        yield line(column, at + 42, column + 34, at + 42, colour, 2)
+        yield f'<circle cx="{column + 17}" cy="{at + 42}" r="4.2" fill="{colour}"/>'
+        yield text(column + 44, at + 47, "update after a move,")
+        yield text(column + 44, at + 63, "median; bar: 99.9 %")
+        at += 104
+
+
+def draw(report):
+    shown = [s for s in SERIES if any(r["group"] == s[0] for r in report["rows"])]
+    chosen = {s[0]: sorted((r for r in report["rows"] if r["group"] == s[0]), key=lambda r: r["facing_faces"]) for s in shown}
+    rows = [r for group in chosen.values() for r in group]
+    if not rows:
+        sys.exit("no rows of cities or spheres")
+    x = Axis(*decades([r["facing_faces"] for r in rows]), LEFT, WIDTH - RIGHT)
+    times = [t for r in rows for t in (r["rebuild_ms"]["median"], r["next"]["update_ms"]["median"], r["next"]["update_ms"]["p999"])]
+    y = Axis(*decades(times), HEIGHT - BOTTOM, TOP)
+    yield (f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" '
+           'font-family="sans-serif">')
+    yield f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>'
+    yield text(LEFT, 32, "The cost of moving one object, against the size of the scene", size=17)
+    yield from grid(x, y)
+    for group, _, colour in shown:
+        yield from curves(chosen[group], x, y, colour)
+    yield from legend(shown)
+    yield "</svg>"
+
+
+def main():
+    with open(sys.argv[1], encoding="utf-8") as text_in:
+        picture = "\n".join(draw(json.load(text_in))) + "\n"
+    with open(sys.argv[2], "w", encoding="utf-8") as out:
+        out.write(picture)
+
+
+if __name__ == "__main__":
+    main()
