@@ -14,9 +14,9 @@ fi
 CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSHADOWCUT_FUZZ=ON -DSHADOWCUT_BENCH=OFF \
   -DSHADOWCUT_CLI=OFF -DSHADOWCUT_TESTS=OFF >/dev/null
 cmake --build build/fuzz
-mkdir -p build/fuzz/corpus/fuzz_obj build/fuzz/corpus/fuzz_build
+mkdir -p build/fuzz/corpus/fuzz_obj build/fuzz/corpus/fuzz_build build/fuzz/corpus/fuzz_edits
 for name in room1 branch3 tetrahedron2; do head -c 4000 "data/$name.obj" >"build/fuzz/corpus/fuzz_obj/$name"; done
-for fuzzer in fuzz_obj fuzz_build; do
+for fuzzer in fuzz_obj fuzz_build fuzz_edits; do
   echo "fuzzing: $fuzzer $budget"
   "build/fuzz/bin/$fuzzer" "build/fuzz/corpus/$fuzzer" $budget -max_len=4096 -timeout=20 -rss_limit_mb=4096 \
     -artifact_prefix=build/fuzz/ >"build/fuzz/$fuzzer.log" 2>&1 || { tail -n 40 "build/fuzz/$fuzzer.log"; exit 1; }

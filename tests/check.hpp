@@ -19,6 +19,10 @@ std::string check_areas(const Scene& scene, const Shadows& shadows, const Oracle
 // Every face's lit area in two results of one scene. The scene's facing may not differ either.
 std::string check_same_areas(const Scene& scene, const Shadows& a, const Shadows& b, double tolerance = kAreaTolerance);
 
+// Every face's lit region in two results of one scene, whatever the fragments are: where one is lit and the other is not, by clipping every
+// fragment against those of the other state. The tolerance is that of areas, and what rounding of the fragments' corners makes.
+std::string check_same_regions(const Scene& scene, const Light& light, const Shadows& a, const Shadows& b);
+
 // The fragments: they name their faces, are convex and run counter-clockwise seen from the light, lie in their planes, add up to the faces'
 // areas, have unique ids, name a caster that casts iff they are shadowed; every vertex of a facet is a corner of a fragment, to the bit;
 // the statistics add up.

@@ -138,6 +138,7 @@ struct Oracle::Impl {
     for (std::uint32_t f = 0; f < scene.facets().size(); ++f) seen.push_back(see(f));
     for (const Face& face : scene.faces()) reached.push_back(reach(face));
     for (std::uint32_t f = 0; f < scene.facets().size(); ++f) {
+      if (scene.facets()[f].corner_count == 0) continue;  // no face's
       const Face& face = scene.faces()[scene.facets()[f].face];
       const Object& object = scene.objects()[face.object];
       const bool away = object.sides == Sides::closed && seen[f].facing < 0;
