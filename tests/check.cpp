@@ -369,7 +369,8 @@ std::string check_fragments(const Scene& scene, const Light& light, const Shadow
     lit_area += a.lit;
   }
   const Stats& s = shadows.stats;
-  const bool all_receive = std::all_of(scene.objects().begin(), scene.objects().end(), [](const Object& o) { return o.receives || !o.alive; });
+  const bool all_receive =
+      std::all_of(scene.objects().begin(), scene.objects().end(), [](const Object& o) { return o.receives || !o.alive; });
   if (all_receive) {
     if (s.facing_faces != facing) report.add("stats: facing_faces ", s.facing_faces, ", should be ", facing);
     if (std::abs(s.facing_area - facing_area) > 1e-9 * facing_area)

@@ -73,8 +73,9 @@ bool same_object(const Scene& a, const Scene& b, std::size_t index) {
   if (!same_fields(o, b.objects()[index]) || a.object_id(index) != b.object_id(index)) return false;
   // The arrays may differ in length, while one scene is behind the other.
   const auto holds = [&o](const Scene& s) {
-    return std::size_t{o.first_face} + o.face_count <= s.faces().size() && std::size_t{o.first_facet} + o.facet_count <= s.facets().size() &&
-           std::size_t{o.first_vertex} + o.vertex_count <= s.vertices().size() && std::size_t{o.first_edge} + o.edge_count <= s.edges().size();
+    const auto within = [](std::size_t first, std::size_t count, const auto& array) { return first + count <= array.size(); };
+    return within(o.first_face, o.face_count, s.faces()) && within(o.first_facet, o.facet_count, s.facets()) &&
+           within(o.first_vertex, o.vertex_count, s.vertices()) && within(o.first_edge, o.edge_count, s.edges());
   };
   if (!holds(a) || !holds(b)) return false;
   for (std::uint32_t i = o.first_vertex; i < o.first_vertex + o.vertex_count; ++i) {
@@ -142,7 +143,8 @@ std::string check_arrays(const Scene& scene) {
   std::string what;
   for (std::uint32_t i = 0; i < scene.objects().size() && what.empty(); ++i) {
     const Object& o = scene.objects()[i];
-    if (!o.alive && (o.face_count || o.facet_count || o.vertex_count || o.edge_count)) return text("object ", i, " is removed, and not empty\n");
+    if (!o.alive && (o.face_count || o.facet_count || o.vertex_count || o.edge_count))
+      return text("object ", i, " is removed, and not empty\n");
     if (o.alive != (scene.object_id(i).index == i)) return text("object ", i, ": its id does not tell whether it lives\n");
     what += faces.take(o.first_face, o.face_count, i) + facets.take(o.first_facet, o.facet_count, i) +
             vertices.take(o.first_vertex, o.vertex_count, i) + edges.take(o.first_edge, o.edge_count, i);
@@ -150,7 +152,8 @@ std::string check_arrays(const Scene& scene) {
   if (!what.empty()) return what;
   for (std::uint32_t i = 0; i < scene.edges().size(); ++i) {
     const Edge& e = scene.edges()[i];
-    if (edges[i] != none && (e.a >= e.b || !vertices.is_of(e.a, edges[i]) || !vertices.is_of(e.b, edges[i]))) return text("edge ", i, ": its ends\n");
+    if (edges[i] == none) continue;
+    if (e.a >= e.b || !vertices.is_of(e.a, edges[i]) || !vertices.is_of(e.b, edges[i])) return text("edge ", i, ": its ends\n");
   }
   std::set<std::uint32_t> planes_seen;
   for (std::uint32_t i = 0; i < scene.facets().size(); ++i) {
@@ -166,10 +169,11 @@ std::string check_arrays(const Scene& scene) {
     if (!what.empty()) return what;
     const auto loop = scene.corners_of(f);
     for (std::size_t k = 0; k < loop.size(); ++k) {
-      if (!vertices.is_of(loop[k].vertex, facets[i]) || !edges.is_of(loop[k].edge >> 1, facets[i])) return text("facet ", i, ": corner ", k, "\n");
-      const Edge& e = scene.edges()[loop[k].edge >> 1];
+      const auto [vertex, edge] = loop[k];
+      if (!vertices.is_of(vertex, facets[i]) || !edges.is_of(edge >> 1, facets[i])) return text("facet ", i, ": corner ", k, "\n");
+      const Edge& e = scene.edges()[edge >> 1];
       const std::uint32_t next = loop[(k + 1) % loop.size()].vertex;
-      if ((loop[k].edge & 1 ? e.b : e.a) != loop[k].vertex || (loop[k].edge & 1 ? e.a : e.b) != next) return text("facet ", i, ": its edge ", k, "\n");
+      if ((edge & 1 ? e.b : e.a) != vertex || (edge & 1 ? e.a : e.b) != next) return text("facet ", i, ": its edge ", k, "\n");
     }
   }
   for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
@@ -243,7 +247,8 @@ std::string Mirror::apply(const LightChanges& changes, const Engine& engine) {
     if (a.face >= engine.scene().faces().size()) return who + text("area of face ", a.face, ", which does not exist\n");
     if (!seen.insert(a.face).second) return who + text("area of face ", a.face, " is listed twice\n");
     if (a.face >= mine.areas.size()) mine.areas.resize(a.face + 1);
-    if (a.face < known && same_bits(mine.areas[a.face], a.area)) return who + text("area of face ", a.face, " is listed, and is what it was\n");
+    if (a.face < known && same_bits(mine.areas[a.face], a.area))
+      return who + text("area of face ", a.face, " is listed, and is what it was\n");
     mine.areas[a.face] = a.area;
   }
   return {};
@@ -264,7 +269,8 @@ std::string Mirror::compare(std::uint32_t light, const Shadows& shadows) const {
       if (!same(own->second, f, block.corners_of(f))) return text("light ", light, ": ", name_of(f.id), " has changed and keeps its id\n");
     }
   }
-  if (count != mine.fragments.size()) return text("light ", light, ": ", mine.fragments.size(), " fragments announced, ", count, " listed\n");
+  if (count != mine.fragments.size())
+    return text("light ", light, ": ", mine.fragments.size(), " fragments announced, ", count, " listed\n");
   for (std::size_t i = 0; i < shadows.areas.size(); ++i) {
     if (!same_bits(i < mine.areas.size() ? mine.areas[i] : FaceArea{}, shadows.areas[i]))
       return text("light ", light, ": the area of face ", i, " has changed, and was not announced\n");
@@ -295,14 +301,16 @@ std::string Mirror::check_find(const Engine& engine, std::size_t stride) const {
       if (i++ % stride != 0) continue;
       const Fragment* f = engine.find(light, id);
       if (!f || f->id != id) return text("light ", light, ": ", name_of(id), " is not found\n");
-      if (!same(copy, *f, engine.shadows(light).blocks[id.cell].corners_of(*f))) return text("light ", light, ": ", name_of(id), " is found as another\n");
+      if (!same(copy, *f, engine.shadows(light).blocks[id.cell].corners_of(*f)))
+        return text("light ", light, ": ", name_of(id), " is found as another\n");
     }
     for (const FragmentId& id : mine.gone_lately) {
       if (!mine.fragments.count(id) && engine.find(light, id)) return text("light ", light, ": ", name_of(id), " is gone, and found\n");
     }
     for (const FragmentId& id : {FragmentId{beyond.cell + 1, 0, 0}, FragmentId{0, beyond.piece + 1, 0}, FragmentId{0, 0, beyond.place + 1},
                                  FragmentId{none, none, none}, FragmentId{0, none, 0}, FragmentId{beyond.cell, 0, none}}) {
-      if (!mine.fragments.count(id) && engine.find(light, id)) return text("light ", light, ": ", name_of(id), " never was, and is found\n");
+      if (!mine.fragments.count(id) && engine.find(light, id))
+        return text("light ", light, ": ", name_of(id), " never was, and is found\n");
     }
   }
   return {};

@@ -149,11 +149,11 @@ bool exactly_in_plane(const Scene& scene, const Facet& facet, const Light& light
   const auto at = [&](std::size_t i) -> const Vec3& { return scene.vertices()[corners[i].vertex]; };
   for (int axis = 0; axis < 3; ++axis) {
     const double level = at(0)[axis];
-    const bool square = std::all_of(corners.begin(), corners.end(), [&](const Corner& c) { return scene.vertices()[c.vertex][axis] == level; });
-    if (square) return point ? light.at[axis] == level : light.at[axis] == 0;
+    const auto here = [&](const Corner& c) { return scene.vertices()[c.vertex][axis] == level; };
+    if (std::all_of(corners.begin(), corners.end(), here)) return point ? light.at[axis] == level : light.at[axis] == 0;
   }
-  if (!coarse(light.at) || !std::all_of(corners.begin(), corners.end(), [&](const Corner& c) { return coarse(scene.vertices()[c.vertex]); }))
-    return false;
+  const auto is_coarse = [&](const Corner& c) { return coarse(scene.vertices()[c.vertex]); };
+  if (!coarse(light.at) || !std::all_of(corners.begin(), corners.end(), is_coarse)) return false;
   const Vec3 ray = point ? Vec3(light.at - at(0)) : light.at;
   for (std::size_t i = 2; i < corners.size(); ++i) {
     if ((at(i - 1) - at(0)).cross(at(i) - at(0)).dot(ray) != 0) return false;
@@ -263,6 +263,7 @@ std::string EditScript::swing(std::size_t k) {
 std::string EditScript::clear_lights() {
   std::string all;
   for (const LightId id : lights_) {
+    if (!scene_.find(id)) continue;  // removed by hand
     while (unclear(*scene_.find(id))) {
       Light light = *scene_.find(id);
       light.at += random_.in_ball(light.kind == Light::Kind::point ? 0.0625 * radius_ : 0.0625);

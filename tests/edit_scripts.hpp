@@ -18,15 +18,16 @@ struct Setting {
   scenes::SceneData (*scene)(std::uint64_t seed);
   double grid;
 };
-// All kinds of random_scenes.hpp, and: rooms, cities, spheres, triangles, stacks of coplanar sheets and boxes, things resting on each other.
+// All kinds of random_scenes.hpp, and: rooms, cities, spheres, triangles, stacks of coplanar sheets and boxes, things resting on each
+// other.
 std::span<const Setting> all_settings();
 const Setting& setting_named(const std::string& name);
 void PrintTo(const Setting& setting, std::ostream* out);  // for GoogleTest
 
 // Edits a scene of its own. Every function that edits says what it did, for a failure's message.
 //
-// A light stands in a face's plane exactly, where the coordinates allow that, or clear of it by a share of 1e-5 of the scene: between the two,
-// what is lit depends on the last bits of corners, and no two ways to compute it need agree.
+// A light stands in a face's plane exactly, where the coordinates allow that, or clear of it by a share of 1e-5 of the scene: between the
+// two, what is lit depends on the last bits of corners, and no two ways to compute it need agree.
 class EditScript {
  public:
   EditScript(const Setting& setting, std::uint64_t seed);

@@ -39,8 +39,9 @@ std::string describe(const Options& o) {
   constexpr std::array forms{"pieces", "merged", "conforming"};
   constexpr std::array orders{"solid_angle", "as_given", "random"};
   std::ostringstream out;
-  out << "form " << forms[static_cast<std::size_t>(o.form)] << ", order " << orders[static_cast<std::size_t>(o.order)] << ", facets_per_cell "
-      << o.facets_per_cell << ", join_threshold " << o.join_threshold << ", threads " << o.threads << (o.edits ? "" : ", no edits");
+  out << "form " << forms[static_cast<std::size_t>(o.form)] << ", order " << orders[static_cast<std::size_t>(o.order)]
+      << ", facets_per_cell " << o.facets_per_cell << ", join_threshold " << o.join_threshold << ", threads " << o.threads
+      << (o.edits ? "" : ", no edits");
   return out.str();
 }
 
@@ -108,7 +109,8 @@ std::string check_combined(const Engine& engine) {
     for (std::size_t face = 0; face < lit.size(); ++face) {
       const FaceArea& alone = engine.shadows(k).areas[face];
       if (std::abs(lit[face] - alone.lit) > kAreaTolerance * alone.area)
-        return "combined: light " + std::to_string(k) + " reaches other " + std::to_string(lit[face]) + " of face " + std::to_string(face) + "\n";
+        return "combined: light " + std::to_string(k) + " reaches " + std::to_string(lit[face]) + " of face " + std::to_string(face) +
+               ", should be " + std::to_string(alone.lit) + "\n";
     }
   }
   return {};
@@ -319,7 +321,8 @@ TEST_P(EditsOf, EditedObjectIsTheObjectAddedThere) {
     std::string edits;
     for (int step = 0; step < 40; ++step) {
       edits = script.step();
-      SCOPED_TRACE(std::string("setting ") + GetParam().name + ", seed " + std::to_string(seed) + ", step " + std::to_string(step) + ": " + edits);
+      SCOPED_TRACE(std::string("setting ") + GetParam().name + ", seed " + std::to_string(seed) + ", step " + std::to_string(step) + ": " +
+                   edits);
       const Scene& scene = script.scene();
       ASSERT_EQ(check_arrays(scene), "");
       Scene fresh;

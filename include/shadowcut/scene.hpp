@@ -249,7 +249,7 @@ class Scene {
   // For engines: makes these objects what they are in the other scene, at the same indices everywhere. Between them they must hold all the
   // room that they take up there (room_taken_by).
   void copy_objects(const Scene& from, std::span<const std::uint32_t> indices);
-  void copy_lights(const Scene& from);
+  void copy_light(const Scene& from, std::uint32_t index);
   // The object of this scene that lives in the room in which the object lives in the other scene; none if that is free here.
   std::uint32_t room_taken_by(const Scene& other, std::uint32_t index) const;
 

@@ -274,6 +274,16 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
     }
     const double s = p.edge.negative() == downward ? -1.0 : 1.0;
     cross(l.n, m, p.r);
+    if (p.r[0] * p.r[0] + p.r[1] * p.r[1] + p.r[2] * p.r[2] < 0x1p-40) {
+      // Nearly one line: the product is hardly longer than its own error, and says little. The point between the edge's ends where the
+      // line's test vanishes is as good a crossing as there is, lies on both, and is as certain as those ends.
+      const double *from = k[change.corner].r, *to = k[next(change.corner)].r;
+      const double at_from = std::abs(m[0] * from[0] + m[1] * from[1] + m[2] * from[2]),
+                   at_to = std::abs(m[0] * to[0] + m[1] * to[1] + m[2] * to[2]);
+      for (int i = 0; i < 3; ++i) p.r[i] = (from[i] * at_to + to[i] * at_from) / (at_from + at_to);
+      error = std::max(error, (c.error + m_error + static_cast<float>(corner_slack)) * (1 + 0x1p-22f));
+      return p;
+    }
     for (double& c : p.r) c *= s;
     error = std::max(error, (l.error + m_error + static_cast<float>(corner_slack)) * (1 + 0x1p-22f));
     return p;

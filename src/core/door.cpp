@@ -357,6 +357,12 @@ bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of, const Pos
       return false;
     }
   }
+  IdTable apart(out.vertices.size());
+  for (std::uint32_t i = 0; i < out.vertices.size(); ++i) {  // what was two places may have become one
+    const auto same = [&](std::uint32_t j) { return out.vertices[j] == out.vertices[i]; };
+    if (apart.find_or_add(hash_position(out.vertices[i]), i, same, [&](std::uint32_t j) { return hash_position(out.vertices[j]); }) != i)
+      return false;
+  }
   out.planes.clear();
   out.areas.clear();
   struct One {  // of a facet's loop, as the only one

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 #include "unite.hpp"
 
@@ -51,7 +53,7 @@ class CellEmitter {
   void run() {
     out_.block.fragments.reserve(pieces_.size() * 3);
     out_.block.corners.reserve(pieces_.size() * 14);
-    for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
+    for (const std::uint32_t p : order()) {
       const Piece& piece = pieces_[p];
       if (piece.kind == Piece::Kind::free) continue;
       const Face& face = target_.scene.faces()[face_of(piece.facet)];
@@ -72,6 +74,32 @@ class CellEmitter {
   }
 
  private:
+  // A facet's pieces together, in the order in which filtering cut it, depth first. In a tree just built that is the order of their
+  // indices; edits use indices again.
+  std::vector<std::uint32_t> order() const {
+    std::vector<std::uint32_t> order(pieces_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    if (!target_.tables.edits) return order;
+    std::vector<std::uint32_t> rank(nodes_.size() + 1, 0);  // of nodes, from the root down, positive side first
+    std::vector<Child> pending{tree_.root()};
+    std::uint32_t next = 0;
+    while (!pending.empty()) {
+      const Child here = pending.back();
+      pending.pop_back();
+      if (here.is_out()) continue;
+      rank[here.node()] = next++;
+      if (here.is_sp()) pending.push_back(nodes_[here.node()].child[1]);
+      pending.push_back(nodes_[here.node()].child[0]);
+    }
+    const auto key = [&](std::uint32_t p) {
+      const Piece& piece = pieces_[p];
+      const std::uint32_t node = piece.kind != Piece::Kind::at_leaf ? piece.place : piece.place == root_place ? 0 : piece.place >> 1;
+      return std::tuple(piece.facet, piece.kind == Piece::Kind::free ? 0 : rank[node], piece.place & 1, piece.kind);
+    };
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    return order;
+  }
+
   struct Held {
     std::uint32_t first, count;  // into held_corners_
     std::uint32_t piece, place, state;

@@ -194,7 +194,7 @@ struct Engine::Impl {
   bool rebuild_stale(Clock::time_point deadline, bool limited) {
     for (std::size_t k = 0; k < lights.size(); ++k) {
       if (!is_stale(k)) continue;
-      applied.copy_lights(wanted);
+      applied.copy_light(wanted, static_cast<std::uint32_t>(k));
       rebuild(k);
       if (limited && Clock::now() >= deadline) return false;
     }
@@ -270,7 +270,10 @@ const Scene& Engine::scene() const {
   return impl_->applied;
 }
 
-std::size_t Engine::light_count() const { return impl_->lights.size(); }
+std::size_t Engine::light_count() const {
+  impl_->require_whole();
+  return impl_->lights.size();
+}
 
 const Shadows& Engine::shadows(std::size_t light) const { return impl_->tracked(light).tree->shadows(); }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -16,18 +17,25 @@
 
 namespace shadowcut {
 
-// A sum of doubles that loses next to nothing, however often something is added and taken away again (Knuth's two-sum).
+// An exact sum of doubles, however often something is added and taken away again: kept as doubles that do not overlap (Shewchuk 1997,
+// grow-expansion).
 class Sum {
  public:
   void add(double x) {
-    const double s = high_ + x, part = s - high_;
-    low_ += (high_ - (s - part)) + (x - part);
-    high_ = s;
+    std::size_t kept = 0;
+    for (double part : parts_) {
+      const double s = x + part, from_part = s - x;
+      const double lost = (x - (s - from_part)) + (part - from_part);
+      if (lost != 0) parts_[kept++] = lost;
+      x = s;
+    }
+    parts_.resize(kept);
+    if (x != 0) parts_.push_back(x);
   }
-  double value() const { return high_ + low_; }
+  double value() const { return std::accumulate(parts_.begin(), parts_.end(), 0.0); }
 
  private:
-  double high_ = 0, low_ = 0;
+  std::vector<double> parts_;  // smallest first
 };
 
 class LightTree {
@@ -73,6 +81,7 @@ class LightTree {
   };
   struct Fresh {  // a cell as it was when it was built last
     double nodes_per_entry = 0;
+    std::uint64_t edits = 0;  // entries inserted since
   };
   struct Units {  // a face's areas as whole numbers of a unit of its own, so that adding and taking away is exact
     double unit = 1;

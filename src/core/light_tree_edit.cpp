@@ -11,7 +11,9 @@ namespace shadowcut {
 namespace {
 
 // A ray less certain than this has come too near to a far light for the numbers of its frame.
-constexpr double growth_allowed = 1.35;
+constexpr double growth_allowed = 1.2;
+constexpr std::uint64_t edits_allowed = 16;  // for each entry
+
 
 constexpr float largest_ray_error = static_cast<float>(256 * unit_roundoff);
 
@@ -235,7 +237,7 @@ void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
   edit_cells(batch_, parts.size(), [&](std::uint32_t c, std::size_t i) {
     Workspace& own = workspaces_.local();
     auto part = std::lower_bound(parts.begin(), parts.end(), c, [](const Part& p, std::uint32_t cell) { return p.cell < cell; });
-    for (; part != parts.end() && part->cell == c; ++part) part->entry = cells_[c].insert(part->cone, own);
+    for (; part != parts.end() && part->cell == c; ++part, ++fresh_[c].edits) part->entry = cells_[c].insert(part->cone, own);
     if (has_grown(c)) {
       build_again(c, given_up[i], own);
     } else if (is_live()) {
@@ -249,17 +251,19 @@ void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
   absorb(batch_);
 }
 
-// Edits leave faces cut, and insert them in an order that nobody would choose. A cell that has grown by half of a half since it was built
-// is built again: in the long run that costs in proportion to the growth.
+// Edits leave faces cut, and insert them in an order that nobody would choose. A cell that has grown by a fifth since it was built, or has
+// been edited many times over, is built again: in the long run that costs in proportion to the growth, and to the edits.
 bool LightTree::has_grown(std::uint32_t c) const {
   const Fresh& fresh = fresh_[c];
-  return static_cast<double>(cells_[c].live_nodes()) >
-         growth_allowed * fresh.nodes_per_entry * static_cast<double>(cells_[c].live_entries()) + 8;
+  const std::size_t entries = cells_[c].live_entries();
+  return static_cast<double>(cells_[c].live_nodes()) > growth_allowed * fresh.nodes_per_entry * static_cast<double>(entries) + 4 ||
+         fresh.edits > edits_allowed * entries + 64;
 }
 
 void LightTree::note_fresh(std::uint32_t c) {
   fresh_[c].nodes_per_entry =
       static_cast<double>(cells_[c].live_nodes()) / static_cast<double>(std::max<std::size_t>(cells_[c].live_entries(), 1));
+  fresh_[c].edits = 0;
 }
 
 // A cell's tree, from its entries in the order of a build.
@@ -474,7 +478,7 @@ void LightTree::absorb(const LiveCell::AreaChange& change) {
     std::uint64_t& fragments = change.lit ? s.lit_fragments : s.shadowed_fragments;
     change.added ? ++fragments : --fragments;
     Sum& total = change.lit ? lit_area_ : shadowed_area_;
-    total.add(now - area);
+    total.add(now), total.add(-area);
     (change.lit ? s.lit_area : s.shadowed_area) = total.value();
   }
   area = now;

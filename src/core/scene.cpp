@@ -358,7 +358,7 @@ LightId Scene::add(const Light& light) {
     lights_.push_back(light);
     light_slots_.emplace_back();
   } else {
-    lights_[index] = light;
+    lights_[index] = Light(light);  // copied before anything changes
     free_lights_.pop_back();
   }
   light_slots_[index].alive = true;
@@ -379,7 +379,7 @@ Edit Scene::remove(LightId id) {
 Edit Scene::set_light(LightId id, const Light& light) {
   if (const Edit e = locate(id); e != Edit::done) return e;
   check(light, light.name.empty() ? "light " + std::to_string(id.index) : "light '" + light.name + "'");
-  lights_[id.index] = light;
+  lights_[id.index] = Light(light);  // copied before anything changes
   light_slots_[id.index].revision = ++revision_;
   return Edit::done;
 }
@@ -476,10 +476,17 @@ void Scene::copy_objects(const Scene& from, std::span<const std::uint32_t> indic
   }
 }
 
-void Scene::copy_lights(const Scene& from) {
-  lights_ = from.lights_;
-  light_slots_ = from.light_slots_;
-  free_lights_ = from.free_lights_;
+void Scene::copy_light(const Scene& from, std::uint32_t index) {
+  while (lights_.size() < from.lights_.size()) {
+    free_lights_.push_back(count_of(lights_));
+    lights_.emplace_back();
+    light_slots_.emplace_back();
+  }
+  if (light_slots_[index].alive && !from.light_slots_[index].alive) free_lights_.push_back(index);
+  if (!light_slots_[index].alive && from.light_slots_[index].alive) std::erase(free_lights_, index);
+  lights_[index] = from.lights_[index];
+  light_slots_[index] = from.light_slots_[index];
+  revision_ = std::max(revision_, light_slots_[index].revision);
 }
 
 }  // namespace shadowcut

@@ -118,11 +118,8 @@ void CellTree::displace(std::uint32_t piece, std::uint32_t place, std::vector<Di
 }
 
 void CellTree::insert_displaced(std::vector<Displaced>& displaced, Workspace& w) {
-  for (const bool casting : {true, false}) {
-    for (const Displaced& d : displaced) {
-      if (tables_->casts(d.cone->facet) == casting) insert_at(d.cone, resolve(d.place), w);
-    }
-  }
+  std::stable_partition(displaced.begin(), displaced.end(), [this](const Displaced& d) { return tables_->casts(d.cone->facet); });
+  for (const Displaced& d : displaced) insert_at(d.cone, resolve(d.place), w);
   displaced.clear();
 }
 
