@@ -81,7 +81,8 @@ class LightTree {
   };
   struct Fresh {  // a cell as it was when it was built last
     double nodes_per_entry = 0;
-    std::uint64_t edits = 0;  // entries inserted since
+    std::uint64_t edits = 0;                 // entries inserted since
+    std::vector<std::uint32_t> movers = {};  // objects they are of, until there are enough
   };
   struct Units {  // a face's areas as whole numbers of a unit of its own, so that adding and taking away is exact
     double unit = 1;
@@ -144,6 +145,7 @@ class LightTree {
   void set_area(std::uint32_t face, const FaceArea& area);
   void absorb(std::span<const std::uint32_t> cells);
   void absorb(const LiveCell::AreaChange& change);
+  static void note_mover(Fresh& fresh, std::uint32_t object);
   bool has_grown(std::uint32_t cell) const;
   void note_fresh(std::uint32_t cell);
   void build_again(std::uint32_t cell, std::vector<std::uint32_t>& given_up, Workspace& w);

@@ -11,8 +11,9 @@ namespace shadowcut {
 namespace {
 
 // A ray less certain than this has come too near to a far light for the numbers of its frame.
-constexpr double growth_allowed = 1.2;
-constexpr std::uint64_t edits_allowed = 16;  // for each entry
+constexpr double growth_allowed = 1.15;
+constexpr std::uint64_t edits_allowed = 4;  // for each entry
+constexpr std::size_t movers_needed = 4;
 
 
 constexpr float largest_ray_error = static_cast<float>(256 * unit_roundoff);
@@ -237,7 +238,10 @@ void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
   edit_cells(batch_, parts.size(), [&](std::uint32_t c, std::size_t i) {
     Workspace& own = workspaces_.local();
     auto part = std::lower_bound(parts.begin(), parts.end(), c, [](const Part& p, std::uint32_t cell) { return p.cell < cell; });
-    for (; part != parts.end() && part->cell == c; ++part, ++fresh_[c].edits) part->entry = cells_[c].insert(part->cone, own);
+    for (; part != parts.end() && part->cell == c; ++part) {
+      note_mover(fresh_[c], tables_.object_of(part->cone->facet));
+      part->entry = cells_[c].insert(part->cone, own);
+    }
     if (has_grown(c)) {
       build_again(c, given_up[i], own);
     } else if (is_live()) {
@@ -251,19 +255,28 @@ void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
   absorb(batch_);
 }
 
-// Edits leave faces cut, and insert them in an order that nobody would choose. A cell that has grown by a fifth since it was built, or has
-// been edited many times over, is built again: in the long run that costs in proportion to the growth, and to the edits.
+// Keeps count of what has been inserted since a cell was built.
+void LightTree::note_mover(Fresh& fresh, std::uint32_t object) {
+  ++fresh.edits;
+  if (fresh.movers.size() < movers_needed && std::find(fresh.movers.begin(), fresh.movers.end(), object) == fresh.movers.end())
+    fresh.movers.push_back(object);
+}
+
+// Edits leave faces cut, and insert them in an order that nobody would choose. A cell that has grown by a fifth since it was built is built
+// again; and so is one that several objects have come to and left many times over, because what it should have grown to is then no longer
+// known. In the long run that costs in proportion to the growth, and to the edits. (An object that goes to and fro is no reason.)
 bool LightTree::has_grown(std::uint32_t c) const {
   const Fresh& fresh = fresh_[c];
   const std::size_t entries = cells_[c].live_entries();
   return static_cast<double>(cells_[c].live_nodes()) > growth_allowed * fresh.nodes_per_entry * static_cast<double>(entries) + 4 ||
-         fresh.edits > edits_allowed * entries + 64;
+         (fresh.edits > edits_allowed * entries + 64 && fresh.movers.size() >= movers_needed);
 }
 
 void LightTree::note_fresh(std::uint32_t c) {
   fresh_[c].nodes_per_entry =
       static_cast<double>(cells_[c].live_nodes()) / static_cast<double>(std::max<std::size_t>(cells_[c].live_entries(), 1));
   fresh_[c].edits = 0;
+  fresh_[c].movers.clear();
 }
 
 // A cell's tree, from its entries in the order of a build.

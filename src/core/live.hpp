@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "emit.hpp"
-#include "range_list.hpp"
+#include "free_list.hpp"
 #include "tree.hpp"
 
 namespace shadowcut {

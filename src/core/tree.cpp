@@ -40,8 +40,7 @@ std::uint32_t CellTree::insert(Cone* cone, Workspace& w) {
     entry = static_cast<std::uint32_t>(entries_.size());
     entries_.emplace_back();
   } else {
-    entry = free_entries_.back();
-    free_entries_.pop_back();
+    entry = free_entries_.take();
   }
   entries_[entry] = {cone->facet, none, 0, {}};
   cone->entry = entry;
@@ -171,8 +170,7 @@ std::uint32_t CellTree::store(const Cone& cone, Piece::Kind kind, std::uint32_t 
     id = static_cast<std::uint32_t>(pieces_.size());
     pieces_.emplace_back();
   } else {
-    id = free_pieces_.back();
-    free_pieces_.pop_back();
+    id = free_pieces_.take();
   }
   Entry& entry = entries_[cone.entry];
   pieces_[id] = {cone.facet, 0, 0, cone.error, place, none, none, cone.entry, entry.first, none, kind};
@@ -237,7 +235,7 @@ void CellTree::release_piece(std::uint32_t piece) {
   --entry.pieces;
   release_corners(p);
   p.kind = Piece::Kind::free;
-  free_pieces_.push_back(piece);
+  free_pieces_.give_back(piece);
 }
 
 std::uint32_t CellTree::add_node(const double n[3], float error, std::uint32_t id, std::uint32_t parent, std::uint32_t owner) {
@@ -248,8 +246,7 @@ std::uint32_t CellTree::add_node(const double n[3], float error, std::uint32_t i
     links_.push_back(links);
     return static_cast<std::uint32_t>(nodes_.size() - 1);
   }
-  const std::uint32_t index = free_nodes_.back();
-  free_nodes_.pop_back();
+  const std::uint32_t index = free_nodes_.take();
   nodes_[index] = node;
   links_[index] = links;
   return index;
@@ -261,8 +258,7 @@ std::uint32_t CellTree::add_local_line(const Line& line) {
     index = static_cast<std::uint32_t>(local_lines_.size());
     local_lines_.push_back({line, 0});
   } else {
-    index = free_lines_.back();
-    free_lines_.pop_back();
+    index = free_lines_.take();
     local_lines_[index] = {line, 0};
   }
   return first_local_line + index;

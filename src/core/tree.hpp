@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "cone.hpp"
-#include "range_list.hpp"
+#include "free_list.hpp"
 
 namespace shadowcut {
 
@@ -226,7 +226,7 @@ class CellTree {
   std::vector<ConeCorner> corners_;
   RangeList free_corners_;
   std::vector<LocalLine> local_lines_;
-  std::vector<std::uint32_t> free_nodes_, free_pieces_, free_entries_, free_lines_;
+  FreeList free_nodes_, free_pieces_, free_entries_, free_lines_;
   std::vector<std::uint32_t> idle_lines_;      // used by nothing stored, perhaps only just now
   std::vector<std::uint32_t> released_nodes_;  // in this edit: not to be used again before it ends, because places are named after them
   std::vector<std::uint32_t> new_marks_, given_up_lines_;  // of this edit; see remove()

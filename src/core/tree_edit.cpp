@@ -52,7 +52,7 @@ void CellTree::remove(std::span<const std::uint32_t> entries, Workspace& w, std:
   }
   for (const std::uint32_t e : entries) {
     entries_[e].facet = none;
-    free_entries_.push_back(e);
+    free_entries_.give_back(e);
   }
   insert_displaced(displaced, w);
   for (const std::uint32_t place : shrunk) clear_up(place, false, w);
@@ -71,12 +71,12 @@ void CellTree::remove(std::span<const std::uint32_t> entries, Workspace& w, std:
   given_up.insert(given_up.end(), given_up_lines_.begin(), given_up_lines_.end());
   given_up_lines_.clear();
   if (live_) live_->settle_places([this](std::uint32_t place) { return resolve(place); });
-  free_nodes_.insert(free_nodes_.end(), released_nodes_.begin(), released_nodes_.end());
+  for (const std::uint32_t node : released_nodes_) free_nodes_.give_back(node);
   released_nodes_.clear();
   for (const std::uint32_t i : idle_lines_) {
     if (local_lines_[i].uses != 0) continue;
     local_lines_[i].uses = none;  // free; it may stand here twice
-    free_lines_.push_back(i);
+    free_lines_.give_back(i);
   }
   idle_lines_.clear();
 }

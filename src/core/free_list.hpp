@@ -1,11 +1,35 @@
-// Stretches of a vector that have been given back, to be used again for others of the same length.
+// What has been given back, to be used again: places in a vector, and stretches of one.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace shadowcut {
 
+// Free indices. The lowest is used first: so indices stay low, and what is done and undone again and again finds the same ones.
+class FreeList {
+ public:
+  bool empty() const { return heap_.empty(); }
+  std::size_t size() const { return heap_.size(); }
+  void clear() { heap_.clear(); }
+  void give_back(std::uint32_t index) {
+    heap_.push_back(index);
+    std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+  }
+  std::uint32_t take() {  // not when empty
+    std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
+    const std::uint32_t index = heap_.back();
+    heap_.pop_back();
+    return index;
+  }
+
+ private:
+  std::vector<std::uint32_t> heap_;
+};
+
+// Stretches of a vector, used again for others of the same length.
 class RangeList {
  public:
   // Where a stretch of this length begins in `v`: one given back, or a new one at the end.
