@@ -106,10 +106,8 @@ struct Series {
   }
 
   ordered_json json() const {
-    return {{"update_ms", times(update)},
-            {"edit_and_update_ms", times(total)},
-            {"gone", quantile(gone, 0.5)},
-            {"new", quantile(fresh, 0.5)}};
+    return {
+        {"update_ms", times(update)}, {"edit_and_update_ms", times(total)}, {"gone", quantile(gone, 0.5)}, {"new", quantile(fresh, 0.5)}};
   }
 };
 
@@ -198,8 +196,8 @@ class Bench {
   void add_long(ordered_json points) { long_ = std::move(points); }
 
   ordered_json json() const {
-    ordered_json document{{"moves", arguments_.moves}, {"builds", arguments_.builds}, {"join_threshold", arguments_.join_threshold},
-                          {"rows", rows_}};
+    ordered_json document{
+        {"moves", arguments_.moves}, {"builds", arguments_.builds}, {"join_threshold", arguments_.join_threshold}, {"rows", rows_}};
     if (!long_.is_null()) document["long"] = long_;
     return document;
   }
@@ -219,12 +217,10 @@ void table2(Bench& bench) {
     const char* what;
     std::vector<std::string> objects;
   };
-  const std::vector<Row> rows{{1, "computer", {"computer.1", "screen.1"}},
-                              {2, "computer", {"computer.1", "screen.1"}},
-                              {2, "bookcase", {"bookcase.1", "book.1", "book.2"}},
-                              {3, "computer", {"computer.1", "screen.1"}},
-                              {4, "computer", {"computer.1", "screen.1"}},
-                              {4, "computer and desk", {"desk.5", "computer.8", "screen.8"}}};
+  const std::vector<Row> rows{
+      {1, "computer", {"computer.1", "screen.1"}},         {2, "computer", {"computer.1", "screen.1"}},
+      {2, "bookcase", {"bookcase.1", "book.1", "book.2"}}, {3, "computer", {"computer.1", "screen.1"}},
+      {4, "computer", {"computer.1", "screen.1"}},         {4, "computer and desk", {"desk.5", "computer.8", "screen.8"}}};
   for (const Row& r : rows) {
     Scene scene = scenes::build(scenes::room(r.level));
     const Party party = party_named(scene, r.objects);
@@ -262,9 +258,8 @@ void spheres(Bench& bench) {
     std::vector<std::size_t> by_volume;
     for (std::size_t i = 1; i < scene.objects().size(); ++i) by_volume.push_back(i);  // the ground is first
     const auto middle = by_volume.begin() + n / 2;
-    std::nth_element(by_volume.begin(), middle, by_volume.end(), [&](std::size_t a, std::size_t b) {
-      return scene.objects()[a].signed_volume < scene.objects()[b].signed_volume;
-    });
+    std::nth_element(by_volume.begin(), middle, by_volume.end(),
+                     [&](std::size_t a, std::size_t b) { return scene.objects()[a].signed_volume < scene.objects()[b].signed_volume; });
     Party party;
     party.add(scene, *middle);
     bench.row("spheres", "spheres:" + std::to_string(n), scene, {party}, {0.05, 0, 0}, bench.options());

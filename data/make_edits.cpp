@@ -22,15 +22,15 @@ using namespace shadowcut;
 struct Arguments {
   std::string scene;
   std::uint64_t seed = 0, count = 0;
-  std::uint64_t most = 4;                     // edits before an update
-  std::vector<std::string> lights;            // where they are at first
-  bool keep = false;                          // no object is removed
+  std::uint64_t most = 4;                              // edits before an update
+  std::vector<std::string> lights;                     // where they are at first
+  bool keep = false;                                   // no object is removed
   std::size_t objects = static_cast<std::size_t>(-1);  // only so many of them are ever touched
 };
 
 struct Thing {
   std::string name;
-  Eigen::AlignedBox3d box;  // at home
+  Eigen::AlignedBox3d box;    // at home
   Vec3 shift = Vec3::Zero();  // from home
   bool there = true;
 };
@@ -111,7 +111,7 @@ class Script {
       return to_grid(Vec3(flat.x() - thing.shift.x(), flat.y() - thing.shift.y(), up - thing.shift.z()));
     }
     if (dice < 50) return to_grid(world_.center() + random_.in_ball(1) * (0.6 * world) - now);  // anywhere, walls or not
-    if (dice < 65) {                                                                           // along an axis
+    if (dice < 65) {                                                                            // along an axis
       Vec3 by = Vec3::Zero();
       by[static_cast<Eigen::Index>(random_.below(3))] = random_.in(-size, size);
       return by;

@@ -107,8 +107,8 @@ bool same_light(const Scene& a, const Scene& b, std::size_t index) {
 
 std::string check_same_scene(const Scene& a, const Scene& b) {
   const auto sizes = [](const Scene& s) {
-    return std::array{s.objects().size(), s.lights().size(), s.faces().size(), s.facets().size(), s.corners().size(),
-                      s.vertices().size(), s.edges().size(), s.planes().size(), s.issues().size()};
+    return std::array{s.objects().size(),  s.lights().size(), s.faces().size(),  s.facets().size(), s.corners().size(),
+                      s.vertices().size(), s.edges().size(),  s.planes().size(), s.issues().size()};
   };
   const auto of_a = sizes(a), of_b = sizes(b);
   constexpr std::array names{"objects", "lights", "faces", "facets", "corners", "vertices", "edges", "planes", "issues"};

@@ -45,7 +45,7 @@ class EditScript {
 
   std::size_t size() const { return items_.size(); }  // objects, removed ones included
   bool deformed() const;  // whether a mesh is not what it was at first: closed ones may cut through themselves, and bound no solid
-  double reach() const;  // how far objects are from the middle, as a multiple of the scene's radius at first
+  double reach() const;   // how far objects are from the middle, as a multiple of the scene's radius at first
   // An object with all it takes to add it again.
   struct Item {
     Mesh mesh;                // with its vertices as they are

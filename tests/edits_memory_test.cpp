@@ -178,7 +178,8 @@ TEST_P(OutOfMemory, DuringAnUpdate) {
       script.move(0);  // so that the next update is not the first
       engine.update();
       play.edits(script);
-      ASSERT_NO_FATAL_FAILURE(expect_safe(script, engine, [&] { engine.update(); }, n, outcome));
+      ASSERT_NO_FATAL_FAILURE(expect_safe(
+          script, engine, [&] { engine.update(); }, n, outcome));
       // It goes on from there.
       script.move(0);
       engine.update();
@@ -195,7 +196,8 @@ TEST(OutOfMemory, DuringTheFirstUpdate) {
       SCOPED_TRACE("case " + std::to_string(&c - kCases) + ", allocation " + std::to_string(n));
       EditScript script(setting_named("resting"), 2);
       Engine engine(script.scene(), options_of(c));
-      ASSERT_NO_FATAL_FAILURE(expect_safe(script, engine, [&] { engine.update(); }, n, outcome));
+      ASSERT_NO_FATAL_FAILURE(expect_safe(
+          script, engine, [&] { engine.update(); }, n, outcome));
       if (HasFailure()) return;
     }
   }
@@ -211,7 +213,8 @@ TEST(OutOfMemory, DuringCompact) {
       engine.update();
       script.move(1);
       engine.update();
-      ASSERT_NO_FATAL_FAILURE(expect_safe(script, engine, [&] { engine.compact(); }, n, outcome));
+      ASSERT_NO_FATAL_FAILURE(expect_safe(
+          script, engine, [&] { engine.compact(); }, n, outcome));
       if (HasFailure()) return;
     }
   }

@@ -98,8 +98,8 @@ TEST_F(Holes, AFaceThatIsNoObjectsCannotBeDrawn) {
   io::View view;
   view.kind = io::View::Kind::face;
   const auto faces = scene.faces();
-  view.face = static_cast<std::uint32_t>(
-      std::find_if(faces.begin(), faces.end(), [](const Face& f) { return f.object == none; }) - faces.begin());
+  view.face =
+      static_cast<std::uint32_t>(std::find_if(faces.begin(), faces.end(), [](const Face& f) { return f.object == none; }) - faces.begin());
   ASSERT_LT(view.face, faces.size());
   EXPECT_THROW(written("e.svg", view), Error);
 }

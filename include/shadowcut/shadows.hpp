@@ -112,6 +112,7 @@ struct Stats {
   double build_ms = 0, emit_ms = 0;                                            // steady clock; of the last build, not of updates
   // Of edits. Now: planes left behind, and the longest location list of an object (CS95, section 3: the pieces that it lies in).
   std::uint64_t marked_nodes = 0, longest_location_list = 0;
+  std::uint64_t cells_built_again = 0;  // since the build: because of what edits had made of them
   std::uint64_t joined = 0,
                 deferred = 0;  // since the build: planes removed by joining their sides; and left in place because of their size
 };

@@ -78,9 +78,8 @@ void ChangesFile::append_added(const Engine& engine, const LightChanges& changes
     if (fragment.caster == none) text_ += "null";
     else append(text_, fragment.caster);
     append_key(text_, "corners");
-    append_list(text_, block.corners_of(fragment), [this](const Vec3& corner) {
-      append_list(text_, corner, [this](double x) { io::append(text_, x); });
-    });
+    append_list(text_, block.corners_of(fragment),
+                [this](const Vec3& corner) { append_list(text_, corner, [this](double x) { io::append(text_, x); }); });
     text_ += '}';
   });
 }

@@ -44,7 +44,7 @@ class Player {
  private:
   struct Named {
     ObjectId id;
-    std::size_t count = 0;                                    // of the objects with this name
+    std::size_t count = 0;                                   // of the objects with this name
     std::optional<std::pair<Mesh, ObjectSettings>> removed;  // what will bring it back
   };
 

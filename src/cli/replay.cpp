@@ -169,20 +169,10 @@ double quantile(std::span<const Record> records, double share, const Value& valu
 double update_ms(const Record& r) { return r.update_ms; }
 
 ordered_json json_of(const Record& r) {
-  return {{"update", r.update},
-          {"edits", r.edits},
-          {"edit_ms", r.edit_ms},
-          {"update_ms", r.update_ms},
-          {"fragments_gone", r.gone},
-          {"fragments_new", r.fresh},
-          {"fragments", r.fragments},
-          {"lit_area", r.lit_area},
-          {"tree_nodes", r.nodes},
-          {"marked_nodes", r.marked},
-          {"joined", r.joined},
-          {"deferred", r.deferred},
-          {"issues", r.issues},
-          {"complete", r.complete}};
+  return {{"update", r.update},       {"edits", r.edits},         {"edit_ms", r.edit_ms},     {"update_ms", r.update_ms},
+          {"fragments_gone", r.gone}, {"fragments_new", r.fresh}, {"fragments", r.fragments}, {"lit_area", r.lit_area},
+          {"tree_nodes", r.nodes},    {"marked_nodes", r.marked}, {"joined", r.joined},       {"deferred", r.deferred},
+          {"issues", r.issues},       {"complete", r.complete}};
 }
 
 std::string summary(const Replay& run, const ReplayArguments& a, double load_ms) {

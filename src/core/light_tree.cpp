@@ -474,6 +474,7 @@ LightTree::CellSums LightTree::sums_of(std::size_t c) const {
           tree.marked_nodes(),
           n.joined,
           n.deferred,
+          c < cells_built_again_.size() ? cells_built_again_[c] : 0,
           tree.bytes() + block.fragments.size() * sizeof(Fragment) + block.corners.size() * sizeof(Vec3) +
               (c < live_.size() ? live_[c].bytes() : 0)};
 }
@@ -483,7 +484,7 @@ void LightTree::add_sums(const CellSums& n, bool more) {
   const auto add = [more](std::uint64_t& sum, std::uint64_t k) { more ? sum += k : sum -= k; };
   add(s.nodes, n.nodes), add(s.sp_nodes, n.nodes - n.pp_nodes), add(s.pp_nodes, n.pp_nodes), add(s.pieces, n.pieces);
   add(s.crossing_lines, n.crossing_lines), add(s.predicates, n.predicates), add(s.on, n.on), add(s.marked_nodes, n.marked);
-  add(s.joined, n.joined), add(s.deferred, n.deferred), add(s.bytes, n.bytes);
+  add(s.joined, n.joined), add(s.deferred, n.deferred), add(s.cells_built_again, n.built_again), add(s.bytes, n.bytes);
 }
 
 }  // namespace shadowcut

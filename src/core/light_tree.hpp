@@ -77,12 +77,19 @@ class LightTree {
   };
   struct CellSums {  // what a cell adds to the statistics
     std::uint64_t nodes = 0, pp_nodes = 0, pieces = 0, crossing_lines = 0, predicates = 0, on = 0, marked = 0, joined = 0, deferred = 0,
-                  bytes = 0;
+                  built_again = 0, bytes = 0;
   };
   struct Fresh {  // a cell as it was when it was built last
     double nodes_per_entry = 0;
-    std::uint64_t edits = 0;                 // entries inserted since
-    std::vector<std::uint32_t> movers = {};  // objects they are of, until there are enough
+    std::uint64_t edits = 0;             // entries inserted since
+    std::uint32_t changes_of_mover = 0;  // how often that was another object than the last few
+    struct Mover {
+      std::uint32_t object;
+      std::uint32_t update;  // in which it came last
+      std::uint32_t times;   // in how many it came
+    };
+    bool stirred = false;            // in this update, by a face large enough to count
+    std::vector<Mover> movers = {};  // the objects inserted last, the latest last
   };
   struct Units {  // a face's areas as whole numbers of a unit of its own, so that adding and taking away is exact
     double unit = 1;
@@ -145,7 +152,9 @@ class LightTree {
   void set_area(std::uint32_t face, const FaceArea& area);
   void absorb(std::span<const std::uint32_t> cells);
   void absorb(const LiveCell::AreaChange& change);
-  static void note_mover(Fresh& fresh, std::uint32_t object);
+  void note_mover(Fresh& fresh, std::uint32_t object) const;
+  bool is_much(std::uint32_t cell, std::size_t pieces) const;
+  void note_shattered(std::uint32_t cell, std::uint32_t entry, std::uint32_t object);
   bool has_grown(std::uint32_t cell) const;
   void note_fresh(std::uint32_t cell);
   void build_again(std::uint32_t cell, std::vector<std::uint32_t>& given_up, Workspace& w);
@@ -183,7 +192,8 @@ class LightTree {
   std::vector<std::uint32_t> block_of_object_, block_of_line_;  // indices into line_blocks_, or none
   std::multimap<std::uint32_t, std::uint32_t> free_blocks_;     // by count
 
-  std::vector<Fresh> fresh_;  // by cell
+  std::vector<std::uint32_t> cells_built_again_;  // by cell: how often
+  std::vector<Fresh> fresh_;                      // by cell
 
   // Of this update.
   std::uint32_t update_ = 0;

@@ -11,10 +11,9 @@ namespace shadowcut {
 namespace {
 
 // A ray less certain than this has come too near to a far light for the numbers of its frame.
-constexpr double growth_allowed = 1.15;
+constexpr double growth_allowed = 1.1;
 constexpr std::uint64_t edits_allowed = 4;  // for each entry
-constexpr std::size_t movers_needed = 4;
-
+constexpr std::size_t most_movers = 4;
 
 constexpr float largest_ray_error = static_cast<float>(256 * unit_roundoff);
 
@@ -33,7 +32,8 @@ bool differ(const FaceArea& a, const FaceArea& b) {
 // After a build: what edits keep books of.
 void LightTree::start_edits() {
   sums_.resize(cells_.size());
-  fresh_.resize(cells_.size());
+  fresh_.assign(cells_.size(), {});
+  cells_built_again_.assign(cells_.size(), 0);
   for (std::uint32_t c = 0; c < cells_.size(); ++c) {
     sums_[c] = sums_of(c);
     note_fresh(c);
@@ -169,6 +169,7 @@ void LightTree::remove_objects(std::span<const std::uint32_t> objects) {
   std::vector<std::vector<std::uint32_t>> kept(cells.size()), given_up(cells.size());
   edit_cells(cells, parts.size(), [&](std::uint32_t c, std::size_t i) {
     cells_[c].remove(std::span(entries).subspan(begins[i], begins[i + 1] - begins[i]), workspaces_.local(), kept[i], given_up[i]);
+    fresh_[c].stirred = fresh_[c].stirred || is_much(c, cells_[c].displaced_last());
   });
   for (std::size_t i = 0; i < cells.size(); ++i) {
     for (const std::uint32_t line : kept[i]) count_line(line, true);
@@ -240,7 +241,9 @@ void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
     auto part = std::lower_bound(parts.begin(), parts.end(), c, [](const Part& p, std::uint32_t cell) { return p.cell < cell; });
     for (; part != parts.end() && part->cell == c; ++part) {
       note_mover(fresh_[c], tables_.object_of(part->cone->facet));
+      const std::uint32_t object = tables_.object_of(part->cone->facet);
       part->entry = cells_[c].insert(part->cone, own);
+      note_shattered(c, part->entry, object);
     }
     if (has_grown(c)) {
       build_again(c, given_up[i], own);
@@ -256,10 +259,30 @@ void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
 }
 
 // Keeps count of what has been inserted since a cell was built.
-void LightTree::note_mover(Fresh& fresh, std::uint32_t object) {
+void LightTree::note_mover(Fresh& fresh, std::uint32_t object) const {
   ++fresh.edits;
-  if (fresh.movers.size() < movers_needed && std::find(fresh.movers.begin(), fresh.movers.end(), object) == fresh.movers.end())
-    fresh.movers.push_back(object);
+  const auto known = std::find_if(fresh.movers.begin(), fresh.movers.end(), [object](const auto& m) { return m.object == object; });
+  if (known != fresh.movers.end()) {
+    known->times += known->update != update_;
+    known->update = update_;
+    std::rotate(known, known + 1, fresh.movers.end());
+    return;
+  }
+  ++fresh.changes_of_mover;
+  if (fresh.movers.size() == most_movers) fresh.movers.erase(fresh.movers.begin());
+  fresh.movers.push_back({object, update_, 1});
+}
+
+// A large face that comes last is cut by all that was there before it, and one that goes leaves all that was behind it to be inserted last:
+// better the cell is built again, with every face where it belongs.
+bool LightTree::is_much(std::uint32_t c, std::size_t pieces) const { return pieces >= 16 && 12 * pieces >= cells_[c].live_pieces(); }
+
+void LightTree::note_shattered(std::uint32_t c, std::uint32_t entry, std::uint32_t object) {
+  if (!is_much(c, cells_[c].entries()[entry].pieces)) return;
+  fresh_[c].stirred = true;
+  for (Fresh::Mover& m : fresh_[c].movers) {
+    if (m.object == object) m.times = 0;
+  }
 }
 
 // Edits leave faces cut, and insert them in an order that nobody would choose. A cell that has grown by a fifth since it was built is built
@@ -268,15 +291,16 @@ void LightTree::note_mover(Fresh& fresh, std::uint32_t object) {
 bool LightTree::has_grown(std::uint32_t c) const {
   const Fresh& fresh = fresh_[c];
   const std::size_t entries = cells_[c].live_entries();
-  return static_cast<double>(cells_[c].live_nodes()) > growth_allowed * fresh.nodes_per_entry * static_cast<double>(entries) + 4 ||
-         (fresh.edits > edits_allowed * entries + 64 && fresh.movers.size() >= movers_needed);
+  return fresh.stirred ||
+         static_cast<double>(cells_[c].live_nodes()) > growth_allowed * fresh.nodes_per_entry * static_cast<double>(entries) + 4 ||
+         (fresh.edits > edits_allowed * entries + 64 && fresh.changes_of_mover >= most_movers);
 }
 
 void LightTree::note_fresh(std::uint32_t c) {
   fresh_[c].nodes_per_entry =
       static_cast<double>(cells_[c].live_nodes()) / static_cast<double>(std::max<std::size_t>(cells_[c].live_entries(), 1));
-  fresh_[c].edits = 0;
-  fresh_[c].movers.clear();
+  fresh_[c].edits = fresh_[c].changes_of_mover = 0;
+  fresh_[c].stirred = false;
 }
 
 // A cell's tree, from its entries in the order of a build.
@@ -294,17 +318,31 @@ void LightTree::build_again(std::uint32_t c, std::vector<std::uint32_t>& given_u
   const auto line_of = [this](std::uint32_t id) -> const Line& { return tables_.lines[id]; };
   tree.set_live(nullptr);
   tree.start_again(given_up);
-  for (const std::uint32_t facet : by_object(objects, [this](std::uint32_t i) { return size_in_order(i); })) {
-    const auto entry = entry_of.find(facet);
-    if (entry == entry_of.end()) continue;
-    Cone* part = prefix_->part_in(c, cone_of_facet(facet, w.pool), tables_.rays, line_of, w.pool, w.spill);
-    if (part) tree.insert_again(entry->second, part, w);
+  const auto insert = [&](std::span<const std::uint32_t> some) {
+    for (const std::uint32_t facet : by_object(some, [this](std::uint32_t i) { return size_in_order(i); })) {
+      const auto entry = entry_of.find(facet);
+      if (entry == entry_of.end()) continue;
+      Cone* part = prefix_->part_in(c, cone_of_facet(facet, w.pool), tables_.rays, line_of, w.pool, w.spill);
+      if (part) tree.insert_again(entry->second, part, w);
+    }
+  };
+  // What moves again and again, while others do not, stays at the leaves (CS95, section 4). But not so much of the cell that it is no build
+  // any more.
+  std::vector<std::uint32_t> at_leaves;
+  for (const auto& m : fresh_[c].movers) {
+    const bool here = std::binary_search(objects.begin(), objects.end(), m.object);
+    if (m.times >= 2 * objects.size() && here && tables_.objects[m.object].casts && at_leaves.size() < objects.size() / 4)
+      at_leaves.push_back(m.object);
   }
+  std::erase_if(objects, [&](std::uint32_t o) { return std::find(at_leaves.begin(), at_leaves.end(), o) != at_leaves.end(); });
+  insert(objects);
+  for (const std::uint32_t& o : at_leaves) insert({&o, 1});
   if (is_live()) {
     live_[c].start_again(tree, target(), w);
     tree.set_live(&live_[c]);
   }
   note_fresh(c);
+  ++cells_built_again_[c];
 }
 
 bool LightTree::suits_numbers(std::span<const std::uint32_t> objects) const {

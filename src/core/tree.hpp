@@ -160,6 +160,7 @@ class CellTree {
   std::size_t live_pieces() const { return pieces_.size() - free_pieces_.size(); }
   std::size_t pp_nodes() const { return pp_nodes_; }
   std::size_t marked_nodes() const { return marked_nodes_; }
+  std::size_t displaced_last() const { return displaced_last_; }  // pieces that the last remove() had to insert again
   const TreeCounts& counts() const { return counts_; }
   Child child_at(std::uint32_t place) const { return place == root_place ? root_ : nodes_[place >> 1].child[place & 1]; }
   std::uint64_t bytes() const;
@@ -231,7 +232,7 @@ class CellTree {
   std::vector<std::uint32_t> released_nodes_;  // in this edit: not to be used again before it ends, because places are named after them
   std::vector<std::uint32_t> new_marks_, given_up_lines_;  // of this edit; see remove()
   bool reuniting_ = false;                                 // pieces that come to a list look for others of their facet
-  std::size_t pp_nodes_ = 0, marked_nodes_ = 0;
+  std::size_t pp_nodes_ = 0, marked_nodes_ = 0, displaced_last_ = 0;
   TreeCounts counts_;
 };
 

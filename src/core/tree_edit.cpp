@@ -50,6 +50,7 @@ void CellTree::remove(std::span<const std::uint32_t> entries, Workspace& w, std:
     take_pp_out(pp, displaced, w);
     shrunk.push_back(pp * 2);
   }
+  displaced_last_ = displaced.size();
   for (const std::uint32_t e : entries) {
     entries_[e].facet = none;
     free_entries_.give_back(e);
