@@ -199,7 +199,6 @@ void LightTree::insert_objects(std::span<const std::uint32_t> objects) {
   if (!suits_numbers(objects)) return rebuild(Light(light_));
   grow();
   std::vector<std::uint32_t> alive;
-  std::size_t facets = 0;
   for (const std::uint32_t o : objects) {
     const Object& object = scene_.objects()[o];
     if (!object.alive) {
@@ -208,7 +207,6 @@ void LightTree::insert_objects(std::span<const std::uint32_t> objects) {
     }
     alive.push_back(o);
     face_object(o);
-    facets += object.facet_count;
   }
   insert_into_cells(by_object(alive, [this](std::uint32_t i) { return size_in_order(i); }));
   for (const std::uint32_t o : alive) note_location_list(o);
