@@ -5,19 +5,12 @@
 #include <array>
 #include <cstring>
 #include <set>
-#include <sstream>
 #include <tuple>
+
+#include "text.hpp"
 
 namespace shadowcut::testing {
 namespace {
-
-template <class... Parts>
-std::string text(const Parts&... parts) {
-  std::ostringstream out;
-  out.precision(17);
-  (out << ... << parts);
-  return out.str();
-}
 
 std::string name_of(const FragmentId& id) { return text("fragment (", id.cell, ", ", id.piece, ", ", id.place, ")"); }
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 #include <ostream>
-#include <sstream>
 #include <stdexcept>
 
 #include "random_scenes.hpp"
+#include "text.hpp"
 
 namespace shadowcut::testing {
 namespace {
@@ -112,14 +112,6 @@ constexpr std::array<Setting, 14> kSettings{{{"soup", of_kind<Kind::soup>, 0.25}
 
 void require(bool holds, const char* what) {
   if (!holds) throw std::logic_error(what);
-}
-
-template <class... Parts>
-std::string text(const Parts&... parts) {
-  std::ostringstream out;
-  out.precision(17);
-  (out << ... << parts);
-  return out.str();
 }
 
 std::string place(const Vec3& x) { return text("(", x.x(), ", ", x.y(), ", ", x.z(), ")"); }

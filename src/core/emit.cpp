@@ -55,9 +55,7 @@ class CellEmitter {
     out_.block.corners.reserve(pieces_.size() * 14);
     for (const std::uint32_t p : order()) {
       const Piece& piece = pieces_[p];
-      if (piece.kind == Piece::Kind::free) continue;
-      const Face& face = target_.scene.faces()[face_of(piece.facet)];
-      if (!target_.scene.objects()[face.object].receives || target_.tables.blocks_only[piece.facet]) continue;
+      if (!hands_out(target_, piece)) continue;
       if (piece.kind == Piece::Kind::owner || piece.kind == Piece::Kind::coplanar) {
         const std::uint32_t front = piece.place * 2;
         const std::uint32_t state = state_of(tree_.child_at(front));
@@ -67,7 +65,7 @@ class CellEmitter {
           emit_in_front(p, front);
         }
       } else {
-        emit_piece(p, none, piece.kind == Piece::Kind::at_leaf ? lit_state : owner_face(piece.place));
+        emit_piece(p, none, piece.kind == Piece::Kind::at_leaf ? lit_state : owner_face(tree_, piece.place));
       }
     }
     release();
@@ -105,10 +103,8 @@ class CellEmitter {
     std::uint32_t piece, place, state;
   };
 
-  std::uint32_t face_of(std::uint32_t facet) const { return target_.scene.facets()[facet].face; }
-  std::uint32_t owner_face(std::uint32_t pp) const { return face_of(pieces_[nodes_[pp].id].facet); }
   std::uint32_t state_of(Child c) const {
-    return c.is_out() ? lit_state : c.is_pp() ? owner_face(c.node()) : states_.empty() ? mixed_state : states_[c.node()];
+    return c.is_out() ? lit_state : c.is_pp() ? owner_face(tree_, c.node()) : states_.empty() ? mixed_state : states_[c.node()];
   }
 
   // Whether fragments in these states may be handed out as one: both lit, or both shadowed by faces of one object.

@@ -35,6 +35,16 @@ inline bool alike_states(const Scene& scene, std::uint32_t a, std::uint32_t b) {
   return scene.faces()[a].object == scene.faces()[b].object;
 }
 
+inline std::uint32_t owner_face(const CellTree& tree, std::uint32_t pp) {
+  return tree.tables().facets[tree.pieces()[tree.nodes()[pp].id].facet].face;
+}
+
+// Whether a piece gives fragments.
+inline bool hands_out(const EmitTarget& target, const Piece& piece) {
+  return piece.kind != Piece::Kind::free && !target.tables.blocks_only[piece.facet] &&
+         target.scene.objects()[target.tables.object_of(piece.facet)].receives;
+}
+
 // Calls f(node, is_sp) for every node, after those below it.
 template <class F>
 void for_each_node_upward(const CellTree& tree, const F& f) {

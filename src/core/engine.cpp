@@ -13,10 +13,6 @@
 namespace shadowcut {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
-
 // No more than TBB has workers for: asked for more it gives none, and says so on stderr.
 int threads_of(const Options& options) {
   const int most = tbb::info::default_concurrency();
@@ -112,39 +108,37 @@ struct Engine::Impl {
     built = true;
   }
 
-  const Changes& update(std::chrono::nanoseconds budget, bool limited) {
+  // One update: a step of any size, and what it changed.
+  template <class Step>
+  const Changes& run(const Step& step) {
     const Clock::time_point begin = Clock::now();
-    require_whole();
     guarded([&] {
       changes = {};
       for (Tracked& t : lights) {
         if (t.tree) t.tree->begin_update();
       }
-      if (!built) {
-        take_all();
-      } else if (wanted.revision() != seen) {
-        advance(begin + budget, limited);
-      }
+      step(begin);
       list_changes();
     });
     changes.ms = ms_since(begin);
     return changes;
   }
 
+  const Changes& update(std::chrono::nanoseconds budget, bool limited) {
+    require_whole();
+    return run([&](Clock::time_point begin) {
+      if (!built) {
+        take_all();
+      } else if (wanted.revision() != seen) {
+        advance(begin + budget, limited);
+      }
+    });
+  }
+
   const Changes& compact() {
-    const Clock::time_point begin = Clock::now();
     if (broken) lights.clear();
     broken = false;
-    guarded([&] {
-      changes = {};
-      for (Tracked& t : lights) {
-        if (t.tree) t.tree->begin_update();
-      }
-      take_all();
-      list_changes();
-    });
-    changes.ms = ms_since(begin);
-    return changes;
+    return run([&](Clock::time_point) { take_all(); });
   }
 
   void list_changes() {
@@ -166,7 +160,7 @@ struct Engine::Impl {
   void advance(Clock::time_point deadline, bool limited) {
     lights.resize(wanted.lights().size());
     std::vector<std::uint32_t> pending = wanted.changed_since(seen);
-    pending.erase(std::remove_if(pending.begin(), pending.end(), [this](std::uint32_t o) { return !is_pending(o); }), pending.end());
+    std::erase_if(pending, [this](std::uint32_t o) { return !is_pending(o); });
     if (!limited && (!options.edits || is_most_of_it(pending))) {
       take_all();
       return;
@@ -215,8 +209,8 @@ struct Engine::Impl {
       } else {
         applied.copy_objects(wanted, group);
         changes.applied += static_cast<std::uint32_t>(group.size());
-        for (Tracked& t : lights) {
-          if (t.tree) t.tree->rebuild(Light(wanted.lights()[static_cast<std::size_t>(&t - lights.data())]));
+        for (std::size_t k = 0; k < lights.size(); ++k) {
+          if (lights[k].tree) lights[k].tree->rebuild(wanted.lights()[k]);
         }
       }
       const Clock::time_point now = Clock::now();

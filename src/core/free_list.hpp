@@ -1,4 +1,4 @@
-// What has been given back, to be used again: places in a vector, and stretches of one.
+// Lists of indices: what has been given back, to be used again (places in a vector, and stretches of one); and those without repetition.
 #pragma once
 
 #include <algorithm>
@@ -57,5 +57,12 @@ class RangeList {
   std::vector<std::vector<std::uint32_t>> free_;  // by length
   std::size_t unused_ = 0;
 };
+
+// Sorted, and each value once.
+template <class T>
+void sort_unique(std::vector<T>& v) {
+  std::sort(v.begin(), v.end());
+  v.erase(std::unique(v.begin(), v.end()), v.end());
+}
 
 }  // namespace shadowcut

@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <mutex>
 #include <numeric>
@@ -14,10 +13,6 @@
 
 namespace shadowcut {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
 
 Eigen::AlignedBox3d box_of(const Scene& scene) {  // of what the light has to do with
   Eigen::AlignedBox3d box;
@@ -435,10 +430,7 @@ void LightTree::sum_up() {
     }
     for (const Fragment& f : shadows_.blocks.back().fragments) absorb({f.face, f.lit, true, f.area});
   } else {
-    for (const FaceArea& sum : fragment_areas_) {
-      FaceArea& area = areas[static_cast<std::size_t>(&sum - fragment_areas_.data())];
-      area.lit = sum.lit, area.shadowed = sum.shadowed;
-    }
+    for (std::size_t f = 0; f < areas.size(); ++f) areas[f].lit = fragment_areas_[f].lit, areas[f].shadowed = fragment_areas_[f].shadowed;
     for (const Block& block : shadows_.blocks) {
       for (const Fragment& f : block.fragments) {
         if (areas[f.face].facing == Facing::toward) ++(f.lit ? s.lit_fragments : s.shadowed_fragments);

@@ -4,6 +4,7 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
@@ -16,6 +17,10 @@
 #include "prefix.hpp"
 
 namespace shadowcut {
+
+using Clock = std::chrono::steady_clock;
+
+inline double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
 
 // An exact sum of doubles, however often something is added and taken away again: kept as doubles that do not overlap (Shewchuk 1997,
 // grow-expansion).

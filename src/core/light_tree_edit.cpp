@@ -10,18 +10,12 @@
 namespace shadowcut {
 namespace {
 
+constexpr double growth_allowed = 1.1;      // of a cell, by edits
+constexpr std::uint64_t edits_allowed = 4;  // for each entry of a cell
+constexpr std::size_t most_movers = 4;      // that a cell keeps in mind
+
 // A ray less certain than this has come too near to a far light for the numbers of its frame.
-constexpr double growth_allowed = 1.1;
-constexpr std::uint64_t edits_allowed = 4;  // for each entry
-constexpr std::size_t most_movers = 4;
-
 constexpr float largest_ray_error = static_cast<float>(256 * unit_roundoff);
-
-template <class T>
-void sort_unique(std::vector<T>& v) {
-  std::sort(v.begin(), v.end());
-  v.erase(std::unique(v.begin(), v.end()), v.end());
-}
 
 bool differ(const FaceArea& a, const FaceArea& b) {
   return a.facing != b.facing || a.area != b.area || a.lit != b.lit || a.shadowed != b.shadowed;
@@ -115,7 +109,7 @@ void LightTree::note_everything() {
     return;
   }
   if (is_live()) {
-    for (LiveCell& cell : live_) cell.list_old(shadows_.blocks[static_cast<std::size_t>(&cell - live_.data())], update_, gone_);
+    for (std::size_t c = 0; c < live_.size(); ++c) live_[c].list_old(shadows_.blocks[c], update_, gone_);
     for (const Fragment& f : shadows_.blocks.back().fragments) {
       if (away_born_[f.facet] != update_) gone_.push_back(f.id);
     }
@@ -344,6 +338,7 @@ void LightTree::build_again(std::uint32_t c, std::vector<std::uint32_t>& given_u
 }
 
 bool LightTree::suits_numbers(std::span<const std::uint32_t> objects) const {
+  if (!space_.far()) return true;  // one rounding a coordinate, wherever they are
   for (const std::uint32_t o : objects) {
     const Object& object = scene_.objects()[o];
     if (!object.casts && !object.receives) continue;

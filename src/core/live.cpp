@@ -12,21 +12,6 @@ bool is_pp(const CellTree& tree, std::uint32_t node) { return tree.child_at(tree
 
 bool is_in_front(Piece::Kind kind) { return kind == Piece::Kind::owner || kind == Piece::Kind::coplanar; }
 
-bool hands_out(const EmitTarget& target, const Piece& piece) {
-  return piece.kind != Piece::Kind::free && !target.tables.blocks_only[piece.facet] &&
-         target.scene.objects()[target.tables.object_of(piece.facet)].receives;
-}
-
-std::uint32_t owner_face(const CellTree& tree, std::uint32_t pp) {
-  return tree.tables().facets[tree.pieces()[tree.nodes()[pp].id].facet].face;
-}
-
-template <class T>
-void sort_unique(std::vector<T>& v) {
-  std::sort(v.begin(), v.end());
-  v.erase(std::unique(v.begin(), v.end()), v.end());
-}
-
 }  // namespace
 
 std::uint32_t LiveCell::state_of(const CellTree& tree, Child c) const {
@@ -51,11 +36,8 @@ void LiveCell::begin(Block& block, std::uint32_t update) {
 void LiveCell::start(const CellTree& tree, const EmitTarget& target, Workspace& w, Block& block, std::uint32_t update) {
   block_ = &block;
   update_ = update;
-  block.fragments.clear();
-  block.corners.clear();
-  records_.clear(), at_place_.clear(), of_piece_.clear(), states_.clear(), visit_.clear();
-  free_corners_.clear();
-  changed_.clear(), added_pieces_.clear(), gone_.clear(), area_changes_.clear();
+  forget_fragments();
+  gone_.clear(), area_changes_.clear();
   block.fragments.reserve(tree.pieces().size() * 3);
   block.corners.reserve(tree.pieces().size() * 14);
   emit_all(tree, target, w);
@@ -78,12 +60,17 @@ void LiveCell::start_again(const CellTree& tree, const EmitTarget& target, Works
     if (records_[i].born != update_) gone_.push_back(f.id);
     area_changes_.push_back({f.face, f.lit, false, f.area});
   }
+  forget_fragments();
+  emit_all(tree, target, w);
+}
+
+// And all that was known of them and of the tree.
+void LiveCell::forget_fragments() {
   block_->fragments.clear();
   block_->corners.clear();
   records_.clear(), at_place_.clear(), of_piece_.clear(), states_.clear(), visit_.clear();
   free_corners_.clear();
   changed_.clear(), added_pieces_.clear();
-  emit_all(tree, target, w);
 }
 
 // True: it is another one than before.

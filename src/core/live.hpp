@@ -66,6 +66,7 @@ class LiveCell {
   };
 
   std::uint32_t state_of(const CellTree& tree, Child c) const;
+  void forget_fragments();
   void make_room(const CellTree& tree);
   void emit_all(const CellTree& tree, const EmitTarget& target, Workspace& w);
   void drop(std::uint32_t fragment);

@@ -4,23 +4,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <iostream>
 #include <map>
 #include <set>
 #include <shadowcut/shadows.hpp>
 #include <vector>
 
+#include "source.hpp"
+
 namespace {
 
 using namespace shadowcut;
+using fuzz::require;
 
-// Bytes, then zeros.
-class Source {
+class Source : public fuzz::Bytes {
  public:
-  Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
-  bool empty() const { return at_ >= size_; }
-  std::uint8_t byte() { return at_ < size_ ? data_[at_++] : 0; }
+  using Bytes::Bytes;
   double coordinate() {
     const std::uint8_t b = byte();
     return b & 128 ? (b & 63) / 8.0 - 2 : b % 8 - 2;
@@ -29,32 +27,10 @@ class Source {
     const double x = coordinate(), y = coordinate(), z = coordinate();
     return {x, y, z};
   }
-
- private:
-  const std::uint8_t* data_;
-  std::size_t size_, at_ = 0;
 };
 
-Mesh box(const Vec3& lo, const Vec3& hi) {
-  Mesh mesh;
-  for (int k = 0; k < 8; ++k) mesh.vertices.emplace_back(k & 1 ? hi.x() : lo.x(), k & 2 ? hi.y() : lo.y(), k & 4 ? hi.z() : lo.z());
-  for (const std::array<std::uint32_t, 4>& q :
-       {std::array{0u, 2u, 3u, 1u}, {4u, 5u, 7u, 6u}, {0u, 1u, 5u, 4u}, {2u, 6u, 7u, 3u}, {0u, 4u, 6u, 2u}, {1u, 3u, 7u, 5u}})
-    mesh.add_face(q);
-  return mesh;
-}
-
 Mesh some_mesh(Source& source, std::uint8_t kind) {
-  const Vec3 a = source.point(), b = source.point();
-  if (kind % 4 == 0) return box(a.cwiseMin(b), a.cwiseMax(b));
-  Mesh mesh;
-  const Vec3 c = source.point();
-  mesh.vertices = {a, b, c};
-  if (kind % 4 == 1) mesh.add_face({0, 1, 2});
-  if (kind % 4 == 2) mesh.vertices.push_back(a + (c - b));
-  if (kind % 4 == 3) mesh.vertices.push_back(source.point());  // may be concave, crossed or not flat
-  if (kind % 4 >= 2) mesh.add_face({0, 1, 2, 3});
-  return mesh;
+  return fuzz::some_mesh(kind, [&] { return source.point(); });
 }
 
 Light some_light(Source& source, std::uint8_t kind) {
@@ -62,12 +38,6 @@ Light some_light(Source& source, std::uint8_t kind) {
   if (light.kind == Light::Kind::directional && light.at.isZero()) light.at.z() = -1;
   if (light.kind == Light::Kind::point && kind & 2) light.range = 1.53125 + source.byte() % 8;  // nothing lies at such a distance exactly
   return light;
-}
-
-void require(bool holds, const char* what) {
-  if (holds) return;
-  std::cerr << what << "\n";
-  std::abort();
 }
 
 // A scene, an engine that follows it, and the ids that the engine's changes have made known.
