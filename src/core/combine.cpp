@@ -8,7 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
+#include <optional>
 
 namespace shadowcut {
 namespace {
@@ -53,7 +53,7 @@ class Query {
     bool split;  // its parts have been answered from first_answer on
   };
 
-  const Line& line(std::uint32_t id) const {
+  const Line& line_of(std::uint32_t id) const {
     if (id >= first_query_line) return lines_[id - first_query_line];
     if (id < first_local_line) return light_.tables().lines[id];
     return cut_lines_[id - first_local_line];
@@ -86,13 +86,9 @@ class Query {
     Cone& cone = *frame.cone;
     const PlaneRay& own = light_.tables().planes[light_.tables().facets[cone.facet].plane];
     for (;;) {
-      const double* n;
-      double n_error;
-      std::uint32_t sides[2], cell[2] = {frame.cell, frame.cell};
-      bool is_pp = false;
-      double d[3];
-      std::uint32_t cut = none;
-      Line crossing{};
+      std::uint32_t sides[2];
+      std::optional<PlaneDifference> nearer;  // at a PP-node
+      Line line{};                            // elsewhere
       if (frame.cell == none) {
         const Prefix::Branch here{frame.place};
         if (here.is_cell()) {
@@ -101,7 +97,7 @@ class Query {
           continue;
         }
         const Prefix::Node& node = light_.prefix().nodes()[here.index()];
-        n = light_.tables().lines[node.line].n, n_error = 0, cut = node.line;
+        line = light_.tables().lines[node.line];
         sides[0] = node.side[0].bits, sides[1] = node.side[1].bits;
       } else {
         const CellTree& tree = light_.cells()[frame.cell];
@@ -109,53 +105,38 @@ class Query {
         if (here.is_out()) return answers.push_back({&cone, true});
         const Node& node = tree.nodes()[here.node()];
         sides[0] = here.node() * 2, sides[1] = here.node() * 2 + 1;
-        n = node.n, n_error = static_cast<double>(node.error), cut = node.id;
-        if (here.is_pp()) {
-          is_pp = true;
-          const std::uint32_t other = light_.tables().facets[tree.pieces()[node.id].facet].plane;
-          if (other == light_.tables().facets[cone.facet].plane) {
-            frame.place = sides[0];
-            continue;
-          }
-          for (int i = 0; i < 3; ++i) d[i] = own.q[i] - node.n[i];
-          n = d;
-          n_error = static_cast<double>(own.error) + static_cast<double>(node.error);
+        if (here.is_sp()) {
+          line = tree.line(node.id);
+        } else if (light_.tables().facets[tree.pieces()[node.id].facet].plane == light_.tables().facets[cone.facet].plane) {
+          frame.place = sides[0];
+          continue;
+        } else {
+          nearer.emplace(own, node.n, node.error);
         }
       }
-      const double size = is_pp ? std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]) : 1.0;
-      const double bound = n_error + size * (static_cast<double>(cone.error) + sign_slack + (is_pp ? 2 * unit_roundoff : 0.0));
-      const Signs signs(cone, n, bound, w_.spill);
+      const double bound = nearer ? nearer->bound(cone) : static_cast<double>(line.error) + static_cast<double>(cone.error) + sign_slack;
+      const Signs signs(cone, nearer ? nearer->d : line.n, bound, w_.spill);
       if (signs.positive() && signs.negative()) {
-        if (is_pp) {
-          const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-          crossing = {{n[0] / length, n[1] / length, n[2] / length},
-                      static_cast<float>(n_error / length + 2 * unit_roundoff) * (1 + 0x1p-22f),
-                      none,
-                      none};
-        } else if (frame.cell != none) {
-          crossing = light_.cells()[frame.cell].line(cut);
-        } else {
-          crossing = light_.tables().lines[cut];
-        }
+        if (nearer) line = nearer->line();
         // A cell's own lines and the crossings with it are copied: one polygon may meet several cells, whose ids overlap.
         const auto id = first_local_line + static_cast<std::uint32_t>(cut_lines_.size());
-        cut_lines_.push_back(crossing);
+        cut_lines_.push_back(line);
         Cone *positive, *negative;
         split(
-            cone, signs, crossing.n, crossing.error, id, true, light_.tables().rays,
-            [this](std::uint32_t i) -> const Line& { return line(i); }, w_.pool, positive, negative);
+            cone, signs, line.n, line.error, id, true, light_.tables().rays, [this](std::uint32_t i) -> const Line& { return line_of(i); },
+            w_.pool, positive, negative);
         frames_.push_back({frame.cone, frame.cell, frame.place, answers.size(), true});
-        frames_.push_back({positive, cell[0], sides[0], 0, false});
-        if (is_pp) {
+        frames_.push_back({positive, frame.cell, sides[0], 0, false});
+        if (nearer) {
           answers.push_back({negative, false});
         } else {
-          frames_.push_back({negative, cell[1], sides[1], 0, false});
+          frames_.push_back({negative, frame.cell, sides[1], 0, false});
         }
         return;
       }
-      if (is_pp && signs.negative()) return answers.push_back({&cone, false});
+      if (nearer && signs.negative()) return answers.push_back({&cone, false});
       // In front, or touching: coplanar faces do not shadow each other, and neither can shadow what is in front of both.
-      frame.place = sides[!is_pp && signs.negative() ? 1 : 0];
+      frame.place = sides[!nearer && signs.negative() ? 1 : 0];
     }
   }
 

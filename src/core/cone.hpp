@@ -95,9 +95,8 @@ class ConePool {
   static std::size_t size_class(std::uint32_t capacity) { return static_cast<std::size_t>(std::countr_zero(capacity)) - 3; }
 
   Cone* make(std::uint32_t capacity) {
-    blocks_.reserve(blocks_.size() + 1);
-    void* block = ::operator new (64 + capacity * sizeof(ConeCorner), std::align_val_t{64});
-    blocks_.push_back(block);
+    blocks_.push_back(nullptr);
+    void* block = blocks_.back() = ::operator new (64 + capacity * sizeof(ConeCorner), std::align_val_t{64});
     Cone* cone = new (block) Cone;
     cone->capacity = capacity;
     return cone;

@@ -268,42 +268,44 @@ Cone* LightTree::cone_of_facet(std::uint32_t facet, ConePool& pool) const {
   return cone;
 }
 
+// Filters a facet through the prefix, and keeps what comes to each cell. A part that is the whole facet is not written down: it is told by
+// its edges, no cut, no mark.
+void LightTree::filter_into_cells(std::uint32_t facet, Parts& parts, Workspace& w) const {
+  const auto line_of = [this](std::uint32_t id) -> const Line& { return tables_.lines[id]; };
+  const std::size_t corners = scene_.facets()[facet].corner_count;
+  prefix_->filter(cone_of_facet(facet, w.pool), tables_.rays, line_of, w.pool, w.spill, w.pending, [&](std::uint32_t cell, Cone* part) {
+    const auto span = part->span();
+    const bool is_whole = span.size() == corners &&
+                          std::all_of(span.begin(), span.end(), [](const ConeCorner& k) { return k.vertex != none && !k.edge.bounded(); });
+    const auto first = static_cast<std::uint32_t>(parts.corners.size());
+    if (!is_whole) parts.corners.insert(parts.corners.end(), span.begin(), span.end());
+    parts.list.push_back({cell, facet, first, is_whole ? 0 : part->count, part->error});
+    w.pool.give_back(part);
+  });
+}
+
+Cone* LightTree::cone_of_part(const Parts& parts, const Parts::Part& part, ConePool& pool) const {
+  if (part.corner_count == 0) return cone_of_facet(part.facet, pool);
+  Cone* cone = pool.take(part.corner_count + 1);
+  cone->facet = part.facet;
+  cone->error = part.error;
+  cone->assign(std::span(parts.corners).subspan(part.first_corner, part.corner_count));
+  return cone;
+}
+
 // Facets are filtered through the prefix in chunks of a fixed size, then every cell's tree is built from its parts in the order of
 // insertion: whatever the number of threads, a cell sees the same parts in the same order.
 void LightTree::build(const std::vector<std::uint32_t>& order) {
   constexpr std::size_t chunk_size = 2048;
-  struct Part {
-    std::uint32_t cell;
-    std::uint32_t facet;
-    std::uint32_t first_corner, corner_count;  // 0: the whole facet
-    float error;
-  };
-  struct Chunk {
-    std::vector<Part> parts;
-    std::vector<ConeCorner> corners;
-  };
   const std::size_t cell_count = prefix_->cell_count();
   cells_.resize(cell_count, CellTree(tables_));
   for (CellTree& cell : cells_) cell.clear();
-  std::vector<Chunk> chunks((order.size() + chunk_size - 1) / chunk_size);
-  const auto line_of = [this](std::uint32_t id) -> const Line& { return tables_.lines[id]; };
+  std::vector<Parts> chunks((order.size() + chunk_size - 1) / chunk_size);
 
   if (cell_count > 1) {
     parallel(chunks.size(), 1, [&](std::size_t c) {
       Workspace& w = workspaces_.local();
-      Chunk& chunk = chunks[c];
-      for (std::size_t i = c * chunk_size; i < std::min(order.size(), (c + 1) * chunk_size); ++i) {
-        Cone* whole = cone_of_facet(order[i], w.pool);
-        prefix_->filter(whole, tables_.rays, line_of, w.pool, w.spill, w.pending, [&](std::uint32_t cell, Cone* part) {
-          const auto first = static_cast<std::uint32_t>(chunk.corners.size());
-          // A part never pushed apart from the facet it came from is told by its edges: no cut, no mark.
-          bool is_whole = part->count == scene_.facets()[part->facet].corner_count;
-          for (const ConeCorner& k : part->span()) is_whole = is_whole && k.vertex != none && !k.edge.bounded();
-          if (!is_whole) chunk.corners.insert(chunk.corners.end(), part->corners(), part->corners() + part->count);
-          chunk.parts.push_back({cell, part->facet, first, is_whole ? 0 : part->count, part->error});
-          w.pool.give_back(part);
-        });
-      }
+      for (std::size_t i = c * chunk_size; i < std::min(order.size(), (c + 1) * chunk_size); ++i) filter_into_cells(order[i], chunks[c], w);
     });
   }
   // Sort the parts by cell, keeping their order.
@@ -311,15 +313,15 @@ void LightTree::build(const std::vector<std::uint32_t>& order) {
     std::uint32_t chunk, part;
   };
   std::vector<std::size_t> begin(cell_count + 1, 0);
-  for (const Chunk& chunk : chunks) {
-    for (const Part& part : chunk.parts) ++begin[part.cell + 1];
+  for (const Parts& chunk : chunks) {
+    for (const Parts::Part& part : chunk.list) ++begin[part.cell + 1];
   }
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Ref> refs(begin.back());
   {
     std::vector<std::size_t> fill(begin.begin(), begin.end() - 1);
     for (std::uint32_t c = 0; c < chunks.size(); ++c) {
-      for (std::uint32_t i = 0; i < chunks[c].parts.size(); ++i) refs[fill[chunks[c].parts[i].cell]++] = {c, i};
+      for (std::uint32_t i = 0; i < chunks[c].list.size(); ++i) refs[fill[chunks[c].list[i].cell]++] = {c, i};
     }
   }
   Progress progress(options_.progress, 0, 0.8, std::max(order.size(), refs.size()));
@@ -336,17 +338,8 @@ void LightTree::build(const std::vector<std::uint32_t>& order) {
     }
     tree.reserve(begin[cell + 1] - begin[cell]);
     for (std::size_t i = begin[cell]; i < begin[cell + 1]; ++i) {
-      const Chunk& chunk = chunks[refs[i].chunk];
-      const Part& part = chunk.parts[refs[i].part];
-      if (part.corner_count == 0) {
-        tree.insert(cone_of_facet(part.facet, w.pool), w);
-        continue;
-      }
-      Cone* cone = w.pool.take(part.corner_count + 1);
-      cone->facet = part.facet;
-      cone->error = part.error;
-      cone->assign(std::span(chunk.corners).subspan(part.first_corner, part.corner_count));
-      tree.insert(cone, w);
+      const Parts& chunk = chunks[refs[i].chunk];
+      tree.insert(cone_of_part(chunk, chunk.list[refs[i].part], w.pool), w);
     }
     progress.step(begin[cell + 1] - begin[cell]);
   });
@@ -418,10 +411,8 @@ void LightTree::sum_up() {
   for (std::uint32_t f = 0; f < areas.size(); ++f) areas[f] = whole_area(f);
   if (is_live()) {
     units_.assign(areas.size(), {});
-    facing_area_ = lit_area_ = shadowed_area_ = {};
     for (std::uint32_t f = 0; f < areas.size(); ++f) {
       s.faces += scene_.faces()[f].object != none;
-      count_face(areas[f], true);
       units_[f].unit = unit_for(areas[f].area);
     }
     for (LiveCell& cell : live_) {
@@ -429,6 +420,7 @@ void LightTree::sum_up() {
       cell.area_changes().clear();
     }
     for (const Fragment& f : shadows_.blocks.back().fragments) absorb({f.face, f.lit, true, f.area});
+    total_up();
   } else {
     for (std::size_t f = 0; f < areas.size(); ++f) areas[f].lit = fragment_areas_[f].lit, areas[f].shadowed = fragment_areas_[f].shadowed;
     for (const Block& block : shadows_.blocks) {

@@ -93,12 +93,21 @@ class LightTree {
       std::uint32_t update;  // in which it came last
       std::uint32_t times;   // in how many it came
     };
-    bool stirred = false;            // in this update, by a face large enough to count
+    bool stirred = false;            // since, by a face large enough to count
     std::vector<Mover> movers = {};  // the objects inserted last, the latest last
   };
   struct Units {  // a face's areas as whole numbers of a unit of its own, so that adding and taking away is exact
     double unit = 1;
     std::int64_t lit = 0, shadowed = 0;
+  };
+  struct Parts {  // of facets, in cells
+    struct Part {
+      std::uint32_t cell, facet;
+      std::uint32_t first_corner, corner_count;  // 0: the whole facet
+      float error;
+    };
+    std::vector<Part> list;
+    std::vector<ConeCorner> corners;
   };
   struct Old {
     std::uint32_t face;
@@ -120,6 +129,8 @@ class LightTree {
   std::vector<std::uint32_t> by_object(std::span<const std::uint32_t> objects, const std::function<double(std::uint32_t)>& size_of) const;
   std::vector<std::uint32_t> insertion_order(std::vector<Vec3>& centers) const;
   Cone* cone_of_facet(std::uint32_t facet, ConePool& pool) const;
+  void filter_into_cells(std::uint32_t facet, Parts& parts, Workspace& w) const;
+  Cone* cone_of_part(const Parts& parts, const Parts::Part& part, ConePool& pool) const;
   void build(const std::vector<std::uint32_t>& order);
   void link_entry(std::uint32_t cell, std::uint32_t entry);
   EmitTarget target() const { return {scene_, space_, tables_, options_.form == Form::conforming}; }
@@ -154,6 +165,7 @@ class LightTree {
   void insert_away(std::uint32_t facet);
   static double unit_for(double area);
   void count_face(const FaceArea& area, bool more);
+  void total_up();
   void set_area(std::uint32_t face, const FaceArea& area);
   void absorb(std::span<const std::uint32_t> cells);
   void absorb(const LiveCell::AreaChange& change);

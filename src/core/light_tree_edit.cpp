@@ -209,44 +209,35 @@ void LightTree::insert_objects(std::span<const std::uint32_t> objects) {
 
 // Filters facets through the prefix, and inserts their parts into the cells; settles what has been changed since objects were removed.
 void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
-  struct Part {
-    std::uint32_t cell;
-    Cone* cone;
-    std::uint32_t entry;
-  };
-  std::vector<Part> parts;
-  Workspace& w = workspaces_.local();
-  const auto line_of = [this](std::uint32_t id) -> const Line& { return tables_.lines[id]; };
-  for (const std::uint32_t facet : order) {
-    prefix_->filter(cone_of_facet(facet, w.pool), tables_.rays, line_of, w.pool, w.spill, w.pending,
-                    [&parts](std::uint32_t cell, Cone* cone) {
-                      parts.push_back({cell, cone, none});
-                    });
-  }
-  std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.cell < b.cell; });
-  for (const Part& part : parts) batch_.push_back(part.cell);
+  Parts parts;
+  for (const std::uint32_t facet : order) filter_into_cells(facet, parts, workspaces_.local());
+  std::stable_sort(parts.list.begin(), parts.list.end(), [](const Parts::Part& a, const Parts::Part& b) { return a.cell < b.cell; });
+  std::vector<std::uint32_t> entries(parts.list.size());
+  for (const Parts::Part& part : parts.list) batch_.push_back(part.cell);
   sort_unique(batch_);
   const EmitTarget to = target();
   std::vector<std::vector<std::uint32_t>> given_up(batch_.size());
-  edit_cells(batch_, parts.size(), [&](std::uint32_t c, std::size_t i) {
-    Workspace& own = workspaces_.local();
-    auto part = std::lower_bound(parts.begin(), parts.end(), c, [](const Part& p, std::uint32_t cell) { return p.cell < cell; });
-    for (; part != parts.end() && part->cell == c; ++part) {
-      note_mover(fresh_[c], tables_.object_of(part->cone->facet));
-      const std::uint32_t object = tables_.object_of(part->cone->facet);
-      part->entry = cells_[c].insert(part->cone, own);
-      note_shattered(c, part->entry, object);
+  edit_cells(batch_, parts.list.size(), [&](std::uint32_t c, std::size_t i) {
+    Workspace& w = workspaces_.local();
+    auto part =
+        std::lower_bound(parts.list.begin(), parts.list.end(), c, [](const Parts::Part& p, std::uint32_t cell) { return p.cell < cell; });
+    for (; part != parts.list.end() && part->cell == c; ++part) {
+      const std::uint32_t object = tables_.object_of(part->facet);
+      note_mover(fresh_[c], object);
+      std::uint32_t& entry = entries[static_cast<std::size_t>(part - parts.list.begin())];
+      entry = cells_[c].insert(cone_of_part(parts, *part, w.pool), w);
+      note_shattered(c, entry, object);
     }
     if (has_grown(c)) {
-      build_again(c, given_up[i], own);
+      build_again(c, given_up[i], w);
     } else if (is_live()) {
-      live_[c].settle(cells_[c], to, own);
+      live_[c].settle(cells_[c], to, w);
     }
   });
   for (const auto& lines : given_up) {
     for (const std::uint32_t line : lines) count_line(line, false);
   }
-  for (const Part& part : parts) link_entry(part.cell, part.entry);
+  for (std::size_t i = 0; i < entries.size(); ++i) link_entry(parts.list[i].cell, entries[i]);
   absorb(batch_);
 }
 
@@ -279,10 +270,13 @@ void LightTree::note_shattered(std::uint32_t c, std::uint32_t entry, std::uint32
 
 // Edits leave faces cut, and insert them in an order that nobody would choose. A cell that has grown by a fifth since it was built is built
 // again; and so is one that several objects have come to and left many times over, because what it should have grown to is then no longer
-// known. In the long run that costs in proportion to the growth, and to the edits. (An object that goes to and fro is no reason.)
+// known. In the long run that costs in proportion to the growth, and to the edits. (An object that goes to and fro is no reason.) Where the
+// same objects move that moved before the cell was built, it waits until as much has been inserted as a build inserts: a desk that is
+// dragged through its cell would have it built again at every step.
 bool LightTree::has_grown(std::uint32_t c) const {
   const Fresh& fresh = fresh_[c];
   const std::size_t entries = cells_[c].live_entries();
+  if (fresh.changes_of_mover == 0 && fresh.edits < entries) return false;
   return fresh.stirred ||
          static_cast<double>(cells_[c].live_nodes()) > growth_allowed * fresh.nodes_per_entry * static_cast<double>(entries) + 4 ||
          (fresh.edits > edits_allowed * entries + 64 && fresh.changes_of_mover >= most_movers);
@@ -491,20 +485,32 @@ double LightTree::unit_for(double area) { return area > 0 && std::isfinite(area)
 
 void LightTree::count_face(const FaceArea& a, bool more) {
   if (a.facing != Facing::toward) return;
-  Stats& s = shadows_.stats;
-  more ? ++s.facing_faces : --s.facing_faces;
+  more ? ++shadows_.stats.facing_faces : --shadows_.stats.facing_faces;
   const double sign = more ? 1 : -1;
   facing_area_.add(sign * a.area), lit_area_.add(sign * a.lit), shadowed_area_.add(sign * a.shadowed);
+}
+
+// The statistics' areas, after faces have changed: those that may have, or all.
+void LightTree::total_up() {
+  Stats& s = shadows_.stats;
+  if (rebuilt_) {
+    facing_area_ = lit_area_ = shadowed_area_ = {};
+    s.facing_faces = 0;
+    for (const FaceArea& a : shadows_.areas) count_face(a, true);
+  } else {
+    for (const Old& old : noted_) {
+      const FaceArea& now = shadows_.areas[old.face];
+      if (differ(old.area, now)) count_face(old.area, false), count_face(now, true);
+    }
+  }
   s.facing_area = facing_area_.value(), s.lit_area = lit_area_.value(), s.shadowed_area = shadowed_area_.value();
 }
 
 // A face has no fragments now; what it will have is counted as they come.
 void LightTree::set_area(std::uint32_t face, const FaceArea& area) {
   if (!is_live()) return;
-  count_face(shadows_.areas[face], false);
   shadows_.areas[face] = area;
   units_[face] = {unit_for(area.area), 0, 0};
-  count_face(area, true);
 }
 
 void LightTree::absorb(const LiveCell::AreaChange& change) {
@@ -515,17 +521,10 @@ void LightTree::absorb(const LiveCell::AreaChange& change) {
   const auto units = static_cast<std::int64_t>(std::nearbyint(std::min(change.area / u.unit, most)));
   std::int64_t& sum = change.lit ? u.lit : u.shadowed;
   sum += change.added ? units : -units;
-  double& area = change.lit ? a.lit : a.shadowed;
-  const double now = static_cast<double>(sum) * u.unit;
-  if (a.facing == Facing::toward) {
-    Stats& s = shadows_.stats;
-    std::uint64_t& fragments = change.lit ? s.lit_fragments : s.shadowed_fragments;
-    change.added ? ++fragments : --fragments;
-    Sum& total = change.lit ? lit_area_ : shadowed_area_;
-    total.add(now), total.add(-area);
-    (change.lit ? s.lit_area : s.shadowed_area) = total.value();
-  }
-  area = now;
+  (change.lit ? a.lit : a.shadowed) = static_cast<double>(sum) * u.unit;
+  if (a.facing != Facing::toward) return;
+  std::uint64_t& fragments = change.lit ? shadows_.stats.lit_fragments : shadows_.stats.shadowed_fragments;
+  change.added ? ++fragments : --fragments;
 }
 
 void LightTree::absorb(std::span<const std::uint32_t> cells) {
@@ -543,6 +542,7 @@ void LightTree::absorb(std::span<const std::uint32_t> cells) {
 // What has changed.
 
 void LightTree::finish_update(LightChanges& changes) {
+  if (edited_ && is_live()) total_up();
   if (edited_ && !rebuilt_ && !is_live()) emit_again();
   changes.rebuilt = rebuilt_;
   changes.gone = std::move(gone_);
