@@ -535,8 +535,20 @@ std::string EditScript::toggle_receives() {
   return item->settings.name + (item->settings.receives ? " receives" : " does not receive");
 }
 
+// A face that is flat only within Scene::flatness_tolerance touches whatever comes as near to it as that, so its areas are not defined to
+// kAreaTolerance.
+bool EditScript::flat_by_tolerance(const Item& item) const {
+  const Object& o = *scene_.find(item.id);
+  const auto facets = scene_.facets().subspan(o.first_facet, o.facet_count);
+  return std::any_of(facets.begin(), facets.end(), [this](const Facet& f) { return scene_.planes()[f.plane].flatness > 1e-9 * radius_; });
+}
+
 std::string EditScript::set_vertices(Item& item, std::vector<Vec3> local, const char* how) {
   require(scene_.set_vertices(item.id, local) == shadowcut::Edit::done, "set_vertices");
+  if (flat_by_tolerance(item)) {
+    require(scene_.set_vertices(item.id, item.mesh.vertices) == shadowcut::Edit::done, "set_vertices");
+    return {};
+  }
   item.mesh.vertices = std::move(local);
   return how + item.settings.name;
 }

@@ -97,6 +97,7 @@ class EditScript {
   std::string remove_light();
 
   std::string clear_lights();
+  bool flat_by_tolerance(const Item& item) const;
   bool unclear(const Light& light) const;
   Item* any_present();
   std::string set_pose(Item& item, const Pose& pose, const char* how);

@@ -331,6 +331,16 @@ struct PlaneDifference {
   }
 };
 
+// Whether the inside of an edge and one side of a node's line (0 positive, 1 negative) are the same half of light space, up to the errors
+// of both. Two ends on the line do not make it so: those of a sliver lie on every line that passes near. Nor do errors so large that the
+// two may part visibly elsewhere.
+inline bool same_half(EdgeRef edge, const Line& own, const double m[3], float m_error, std::uint32_t side) {
+  constexpr float largest_error = 0x1p-44f;
+  const double s = edge.negative() == (side == 1) ? 1.0 : -1.0;
+  const double apart = std::abs(own.n[0] - s * m[0]) + std::abs(own.n[1] - s * m[1]) + std::abs(own.n[2] - s * m[2]);
+  return own.error <= largest_error && apart <= 4 * (static_cast<double>(own.error) + static_cast<double>(m_error) + sign_slack);
+}
+
 // Sends a cone to its side of a node's line: 0 positive, 1 negative. A cone on both sides is cut: it becomes its positive part and goes to
 // 0, and cut_off is its negative part, otherwise null. A cone that lies on the line altogether (a sliver that rounding made) goes to the
 // positive side. on: grows by the number of corners on the line. bounds(edge): whether the node serves an edge that lies on it as the
@@ -348,12 +358,14 @@ std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t 
     cone = positive;
     return 0;
   }
+  const std::uint32_t side = signs.negative() ? 1 : 0;
   if (signs.any_on()) {
-    signs.for_each_on_edge([cone, &bounds](std::uint32_t i) {
-      if (bounds(cone->corners()[i].edge)) cone->corners()[i].edge.set_bounded();
+    signs.for_each_on_edge([&](std::uint32_t i) {
+      EdgeRef& edge = cone->corners()[i].edge;
+      if (same_half(edge, lines(edge.line()), m, m_error, side) && bounds(edge)) edge.set_bounded();
     });
   }
-  return signs.negative() ? 1 : 0;
+  return side;
 }
 
 }  // namespace shadowcut

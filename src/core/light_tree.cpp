@@ -105,12 +105,7 @@ bool LightTree::holds_light(const Object& object) const {
 }
 
 // A face that is partly within reach is treated whole.
-bool LightTree::reached(std::uint32_t f) const {
-  if (light_.kind != Light::Kind::point || (!std::isfinite(light_.range) && !light_.spot)) return true;
-  const Face& face = scene_.faces()[f];
-  const auto facets = scene_.facets().subspan(face.first_facet, face.facet_count);
-  return std::any_of(facets.begin(), facets.end(), [this](const Facet& facet) { return within_reach(scene_, facet, light_); });
-}
+bool LightTree::reached(std::uint32_t f) const { return within_reach(scene_, scene_.faces()[f], light_); }
 
 // Whether a facet enters the tree, and how it stands to the light.
 void LightTree::face_facet(std::uint32_t i, bool is_reached, bool light_inside) {

@@ -225,8 +225,8 @@ class LightTree {
   std::vector<Block> before_;            // where fragments do not know whether they are new
 };
 
-// Whether any point of the facet is within the light's range and cone.
-bool within_reach(const Scene& scene, const Facet& facet, const Light& light);
+// Whether the face is somewhere within the light's range, and somewhere within its cone.
+bool within_reach(const Scene& scene, const Face& face, const Light& light);
 
 // Whether a point lies inside the solid that the object's faces bound, or on its surface. In doubt it says yes: then far-side faces cast
 // too, which is never wrong, only work.

@@ -51,10 +51,16 @@ double angle_to_facet(const Scene& scene, const Facet& facet, const Vec3& light,
 
 }  // namespace
 
-bool within_reach(const Scene& scene, const Facet& facet, const Light& light) {
+bool within_reach(const Scene& scene, const Face& face, const Light& light) {
   if (light.kind != Light::Kind::point) return true;
-  if (std::isfinite(light.range) && distance_to_facet(scene, facet, light.at) > light.range) return false;
-  return !light.spot || angle_to_facet(scene, facet, light.at, light.spot->axis.stableNormalized()) <= light.spot->half_angle;
+  const auto facets = scene.facets().subspan(face.first_facet, face.facet_count);
+  const bool in_range = !std::isfinite(light.range) || std::any_of(facets.begin(), facets.end(), [&](const Facet& f) {
+    return distance_to_facet(scene, f, light.at) <= light.range;
+  });
+  if (!in_range || !light.spot) return in_range;
+  const Vec3 axis = light.spot->axis.stableNormalized();
+  return std::any_of(facets.begin(), facets.end(),
+                     [&](const Facet& f) { return angle_to_facet(scene, f, light.at, axis) <= light.spot->half_angle; });
 }
 
 // By the winding number: the solid angles of all triangles, signed (Van Oosterom & Strackee 1983), add up to 4 pi inside, to 0 outside, and
@@ -62,7 +68,9 @@ bool within_reach(const Scene& scene, const Facet& facet, const Light& light) {
 bool in_or_on_solid(const Scene& scene, const Object& object, const Vec3& p) {
   Eigen::AlignedBox3d box;
   for (std::uint32_t i = 0; i < object.vertex_count; ++i) box.extend(scene.vertices()[object.first_vertex + i]);
-  if (!box.contains(p)) return false;
+  // Corners are turned and moved with some roundings of their coordinates.
+  const double slack = 8 * unit_roundoff * std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+  if (!(box.exteriorDistance(p) <= slack)) return false;
   double sum = 0;
   for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
     const Face& face = scene.faces()[f];
