@@ -1,6 +1,7 @@
 // The engine against the exact oracle, face by face and point by point: named geometries first, random scenes after.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "check.hpp"
@@ -272,6 +273,47 @@ TEST(Shadows, VertexOneUlpOffPlane) {
       expect_right(s.scene, Light::directional({0.3, 0.2, -1}));
     }
   }
+}
+
+// What a dividing plane of the prefix, or another face's edge, cuts off at such a vertex is a sliver 1e-15 wide, whose corners lie on every
+// line that passes near: its shadow volume must not be the whole cell.
+TEST(Shadows, VertexUlpsOffADividingPlane) {
+  for (int ulps = -24; ulps <= 24; ++ulps) {
+    SCOPED_TRACE(ulps);
+    Stage s;
+    Mesh fan;
+    fan.vertices = {{ulps * 0x1p-52, -0.31, 0.91}, {0.47, 0.36, 0.64}, {1.37, -0.05, -0.48}, {1.34, -0.96, 0.33}};
+    for (const auto& [a, b, c] : {std::array{0u, 1u, 2u}, {0u, 2u, 3u}, {1u, 0u, 3u}, {2u, 1u, 3u}}) fan.add_face({a, b, c});
+    s.add(fan);
+    s.add(rectangle({-9, -8, 4}, {18, 0, 1}, {0, 16, 2}));
+    s.add(rectangle({-8, -9, 6}, {16, 0, 1}, {0, 18, 2}));
+    for (const std::uint32_t cell : {0u, 2u, 4u}) {
+      for (const Order order : {Order::as_given, Order::solid_angle}) {
+        Options o;
+        o.facets_per_cell = cell, o.order = order;
+        expect_right(s.scene, Light::point({0, 0, 0}), o);
+      }
+    }
+  }
+}
+
+// In range with one part, in the cone with the other: reached, as a whole.
+TEST(Shadows, RangeAndConeReachDifferentParts) {
+  Stage s;
+  Mesh folded;  // not flat: two facets
+  folded.vertices = {{0, 0, 0}, {1, 0, 0.5}, {1, 1, 0}, {0, 1, 0.5}};
+  folded.add_face({0, 1, 2, 3});
+  const auto face = s.add(folded);
+  Light light = Light::point({-0.5, 0.5, 1});
+  for (const double range : {0.6, 0.8, 1.0}) {
+    light.range = range;
+    for (const double turn : {0.2, 0.5, 0.8, 1.1}) {
+      light.spot = Light::Spot{{1, 0, -0.6}, turn};
+      const Oracle oracle(s.scene, light);
+      EXPECT_EQ(check_areas(s.scene, cast_shadows(s.scene, light), oracle), "") << range << " " << turn;
+    }
+  }
+  EXPECT_EQ(cast_shadows(s.scene, light).areas[face].facing, Facing::toward);
 }
 
 TEST(Shadows, ShadowEdgeOnReceiverEdge) {
