@@ -139,8 +139,11 @@ void check(const Light& light, const std::string& who);
 inline constexpr std::uint32_t none = 0xFFFFFFFFu;
 
 struct Plane {
-  Vec3 normal;      // unit length, to the front
-  Vec3 point;       // a point of the plane
+  Vec3 normal;  // unit length, to the front
+  Vec3 point;   // a point of the plane
+  // The normal before it was brought to length one, for the exact kernel: where the corners' differences are short numbers it has no error,
+  // and then neither has the plane, {x: exact_normal . (x - point) = 0}.
+  Vec3 exact_normal;
   double flatness;  // the largest distance of the corners from the plane
   double tilt;  // how far, in radians, corners moved by that (or by rounding) could turn the plane; a light nearer to the plane than this
                 // sees it edge-on

@@ -11,6 +11,7 @@
 // Thread safety: functions here use up to Options::threads threads of their own; a const result may be read from any thread.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -23,7 +24,8 @@
 namespace shadowcut {
 
 enum class Kernel : std::uint8_t {
-  fast,  // double with a derived forward-error bound; what is within the bound of zero is taken as "on"
+  fast,   // double with a derived forward-error bound; what is within the bound of zero is taken as "on"
+  exact,  // every sign that the tree asks for is that of the real number which the input's doubles define; see Construction
 };
 
 enum class Form : std::uint8_t {
@@ -39,6 +41,22 @@ enum class Order : std::uint8_t {
   random,  // by Options::seed
 };
 
+// A plane through a light, exactly: all doubles taken as they are.
+struct LightLine {
+  bool crossing = false;
+  // An edge's: two points, which it contains as well as the light. Of a crossing: a normal and a point of one plane, then of another; it
+  // contains the line in which those two meet.
+  std::array<Vec3, 4> v = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+};
+
+// What a corner of a fragment is, exactly: where the plane of its facet (Plane::exact_normal, Plane::point) meets two planes through the
+// light; or the ray of a vertex of the scene. The exact kernel cuts faces there, and hands out the numbers next to it: within one ulp in
+// each coordinate, needles included; but a facet's own vertices are handed out as they are, on the plane or not.
+struct Construction {
+  LightLine in, out;     // the edges that come to the corner and leave it, in the order of the corners
+  std::uint32_t vertex;  // index into Scene::vertices(); or none, and then `in` and `out` count
+};
+
 struct Options {
   Kernel kernel = Kernel::fast;
   Form form = Form::merged;
@@ -51,6 +69,7 @@ struct Options {
   // A plane left behind by a removed face, with something on both sides, goes if the smaller side has no more nodes than this: that side
   // is then inserted into the other. Otherwise it stays, as a plain dividing plane, until a later edit makes a side small.
   std::uint32_t join_threshold = 2;
+  bool constructions = false;            // exact kernel, forms pieces and merged: fill Block::constructions
   std::function<void(double)> progress;  // called now and then, from any thread but one at a time, with the share of the work done, 0 to 1
 };
 
@@ -81,6 +100,7 @@ struct Block {
   // scene is that vertex, to the bit; a corner on a cut is the same numbers on both sides of the cut where two lines, or the edges of one
   // vertex, make it. Where more lines happen to meet in one point its last bits may depend on the side; the conforming form makes them one.
   std::vector<Vec3> corners;
+  std::vector<Construction> constructions;  // of the corners; empty unless Options::constructions
 
   std::span<const Vec3> corners_of(const Fragment& f) const { return std::span(corners).subspan(f.first_corner, f.corner_count); }
 };
@@ -106,7 +126,8 @@ struct Stats {
   std::uint64_t lit_fragments = 0, shadowed_fragments = 0;                     // of facing faces
   std::uint64_t cells = 0, nodes = 0, sp_nodes = 0, pp_nodes = 0, pieces = 0;  // nodes: of the cells' trees and of the prefix
   std::uint64_t crossing_lines = 0;                                            // cuts along which two faces cross
-  std::uint64_t predicates = 0, on = 0;                                        // signs asked for; and those within the bound of zero
+  std::uint64_t predicates = 0, on = 0;                                        // signs asked for; and those that came out as zero
+  std::uint64_t by_identity = 0, by_filter = 0, by_exact = 0;                  // how they were found; fast: the filter's word stands
   std::uint64_t depth = 0;                                                     // of the deepest leaf, prefix included
   std::uint64_t bytes = 0;                                                     // held by the tree and the fragments
   double build_ms = 0, emit_ms = 0;                                            // steady clock; of the last build, not of updates

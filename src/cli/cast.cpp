@@ -51,7 +51,11 @@ ordered_json summary_of(const Engine& engine, std::size_t k, const NamedLight& l
                      {"tree_nodes", s.nodes},
                      {"tree_depth", s.depth},
                      {"build_ms", s.build_ms},
-                     {"emit_ms", s.emit_ms}};
+                     {"emit_ms", s.emit_ms},
+                     {"predicates", s.predicates},
+                     {"by_identity", s.by_identity},
+                     {"by_filter", s.by_filter},
+                     {"by_exact", s.by_exact}};
   if (!light.light.name.empty()) entry["name"] = light.light.name;
   entry["stats"] = {{"facets", s.facets},         {"cells", s.cells},   {"sp_nodes", s.sp_nodes},
                     {"pp_nodes", s.pp_nodes},     {"pieces", s.pieces}, {"crossing_lines", s.crossing_lines},
@@ -60,8 +64,11 @@ ordered_json summary_of(const Engine& engine, std::size_t k, const NamedLight& l
 }
 
 std::string summary(const Engine& engine, const std::vector<NamedLight>& lights, const CastArguments& a, double load_ms) {
-  ordered_json document{
-      {"scene", a.scene}, {"kernel", "fast"}, {"threads", a.options.threads}, {"load_ms", load_ms}, {"lights", ordered_json::array()}};
+  ordered_json document{{"scene", a.scene},
+                        {"kernel", kernel_name(a.options.kernel)},
+                        {"threads", a.options.threads},
+                        {"load_ms", load_ms},
+                        {"lights", ordered_json::array()}};
   for (std::size_t k = 0; k < lights.size(); ++k) document["lights"].push_back(summary_of(engine, k, lights[k]));
   return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }

@@ -8,6 +8,7 @@
 #include <new>
 
 #include "commands.hpp"
+#include "specs.hpp"
 
 namespace shadowcut::cli {
 
@@ -31,7 +32,6 @@ CLI::Option* add_list(CLI::App& command, const std::string& name, std::vector<st
 }
 
 const std::map<std::string, Sides> sides{{"auto", Sides::automatic}, {"closed", Sides::closed}, {"open", Sides::open}};
-const std::map<std::string, Kernel> kernels{{"fast", Kernel::fast}};
 
 // What cast and replay have in common.
 template <typename Arguments>
@@ -39,7 +39,7 @@ void add_casting(CLI::App& command, Arguments& a) {
   command.add_option("SCENE", a.scene, "Scene file: .obj .ply .off .stl .gltf .glb .dae .fbx .ifc and others")->required();
   add_list(command, "--light", a.lights, "point:x,y,z or sun:dx,dy,dz (direction of travel); none: the scene's own lights")
       ->type_name("SPEC");
-  add_choice<Kernel>(command, "--kernel", a.options.kernel, kernels, "Arithmetic");
+  add_choice<Kernel>(command, "--kernel", a.options.kernel, kernels(), "Arithmetic: fast (double, with error bounds) or exact (fast)");
   add_choice<Sides>(command, "--sides", a.sides, sides, "Which sides of faces count (auto)");
   command.add_option("--threads", a.options.threads, "0: one for each processor")->check(CLI::Range(0, 4096));
   command.add_option("--json", a.json, "Summary; - is standard output")->type_name("FILE");

@@ -12,6 +12,7 @@
 #include "io/text.hpp"
 #include "outputs.hpp"
 #include "report.hpp"
+#include "specs.hpp"
 
 namespace shadowcut::cli {
 
@@ -180,7 +181,7 @@ std::string summary(const Replay& run, const ReplayArguments& a, double load_ms)
   const std::span<const Record> later = updates.subspan(std::min<std::size_t>(1, updates.size()));
   ordered_json document{{"scene", a.scene},
                         {"script", a.edits},
-                        {"kernel", "fast"},
+                        {"kernel", kernel_name(a.options.kernel)},
                         {"threads", a.options.threads},
                         {"load_ms", load_ms},
                         {"build", json_of(run.records().front())},

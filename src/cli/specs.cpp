@@ -96,4 +96,16 @@ io::View parse_view(const std::string& spec, const Scene& scene) {
 
 Vec3 parse_axis(const std::string& name) { return name == "x" ? Vec3::UnitX() : name == "y" ? Vec3::UnitY() : Vec3::UnitZ(); }
 
+const std::map<std::string, Kernel>& kernels() {
+  static const std::map<std::string, Kernel> all{{"fast", Kernel::fast}, {"exact", Kernel::exact}};
+  return all;
+}
+
+const char* kernel_name(Kernel kernel) {
+  for (const auto& [name, value] : kernels()) {
+    if (value == kernel) return name.c_str();
+  }
+  return "";
+}
+
 }  // namespace shadowcut::cli

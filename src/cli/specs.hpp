@@ -1,6 +1,7 @@
 // What the program's arguments say in small languages of their own: lights and drawings.
 #pragma once
 
+#include <map>
 #include <shadowcut/io.hpp>
 #include <string>
 
@@ -14,6 +15,10 @@ std::string light_spec(const Light& light);
 
 // plan, plan:HEIGHT, OBJECT:FACE or ex,ey,ez,tx,ty,tz[,fov in degrees].
 io::View parse_view(const std::string& spec, const Scene& scene);
+
+// The kernels by their names, and back.
+const std::map<std::string, Kernel>& kernels();
+const char* kernel_name(Kernel kernel);
 
 // x, y or z.
 Vec3 parse_axis(const std::string& name);

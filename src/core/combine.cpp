@@ -13,9 +13,6 @@
 namespace shadowcut {
 namespace {
 
-// Lines of the polygon asked about have ids above all of the tree's: those of the scene's edges end at 2^29, a cell's own follow.
-constexpr std::uint32_t first_query_line = 0x38000000;
-
 struct Answer {
   Cone* cone;
   bool lit;
@@ -53,10 +50,11 @@ class Query {
     bool split;  // its parts have been answered from first_answer on
   };
 
-  const Line& line_of(std::uint32_t id) const {
-    if (id >= first_query_line) return lines_[id - first_query_line];
-    if (id < first_local_line) return light_.tables().lines[id];
-    return cut_lines_[id - first_local_line];
+  // A polygon's corners are rounded, so there is nothing to be exact about: the numbers' word stands, whatever the kernel.
+  Lines lines() const { return Lines(light_.tables(), lines_, nullptr); }
+  std::uint32_t add_line(const Line& line) {
+    lines_.push_back({line, 0, {}});
+    return first_local_line + static_cast<std::uint32_t>(lines_.size() - 1);
   }
 
   Cone* make_cone(std::uint32_t facet, std::span<const Vec3> polygon) {
@@ -70,12 +68,10 @@ class Query {
       const Line l = light_.space().line(a, b);
       if (!std::isfinite(l.n[0]) || !std::isfinite(l.n[1]) || !std::isfinite(l.n[2])) continue;
       const VertexRay ray = light_.space().ray(a);
-      const EdgeRef edge(first_query_line + static_cast<std::uint32_t>(lines_.size()), false);
+      const EdgeRef edge(add_line(l), false);
       cone->corners()[cone->count++] = {{ray.r[0], ray.r[1], ray.r[2]}, edge, static_cast<std::uint32_t>(i)};
       cone->error = std::max(cone->error, ray.error);
-      lines_.push_back(l);
     }
-    cut_lines_.clear();
     if (cone->count >= 3) return cone;
     w_.pool.give_back(cone);
     return nullptr;
@@ -118,13 +114,9 @@ class Query {
       const Signs signs(cone, nearer ? nearer->d : line.n, bound, w_.spill);
       if (signs.positive() && signs.negative()) {
         if (nearer) line = nearer->line();
-        // A cell's own lines and the crossings with it are copied: one polygon may meet several cells, whose ids overlap.
-        const auto id = first_local_line + static_cast<std::uint32_t>(cut_lines_.size());
-        cut_lines_.push_back(line);
+        const std::uint32_t id = add_line(line);
         Cone *positive, *negative;
-        split(
-            cone, signs, line.n, line.error, id, true, light_.tables().rays, [this](std::uint32_t i) -> const Line& { return line_of(i); },
-            w_.pool, positive, negative);
+        split(cone, signs, line.n, line.error, id, true, lines(), w_.pool, positive, negative);
         frames_.push_back({frame.cone, frame.cell, frame.place, answers.size(), true});
         frames_.push_back({positive, frame.cell, sides[0], 0, false});
         if (nearer) {
@@ -153,8 +145,7 @@ class Query {
 
   const LightTree& light_;
   Workspace& w_;
-  std::vector<Line> lines_;      // of the polygon's own edges
-  std::vector<Line> cut_lines_;  // of the cuts made so far
+  std::vector<LocalLine> lines_;  // of the polygon's edges, then of its cuts: one polygon may meet several cells, whose ids overlap
   std::vector<Frame> frames_;
 };
 

@@ -106,6 +106,12 @@ class ConePool {
   std::vector<void*> blocks_;
 };
 
+// Of signs asked for.
+struct SignCounts {
+  std::uint64_t on = 0;                         // that came out as zero
+  std::uint64_t by_identity = 0, by_exact = 0;  // exact kernel: that the numbers left open, and how they were found
+};
+
 // Where the corners of a cone change from one side of a line to the other.
 struct Change {
   std::uint32_t corner;  // the last one before the edge that crosses the line, or the corner on the line
@@ -113,7 +119,7 @@ struct Change {
 };
 
 // On which sides of a covector a cone's corners lie: certainly positive, certainly negative, or "on", which means that the sign is not
-// certain.
+// certain; or, once settle() has been called, that it is zero.
 class Signs {
  public:
   // Tests all corners of c against n. bound: |n.r| up to which a sign is not certain. `spill` holds the signs of more than 64 corners, and
@@ -155,6 +161,21 @@ class Signs {
   int operator[](std::uint32_t i) const {
     if (large_) return large_[i];
     return static_cast<int>(positive_ >> i & 1) - static_cast<int>(negative_ >> i & 1);
+  }
+
+  // Asks sign(i) for every corner i that is on.
+  template <class Sign>
+  void settle(const Sign& sign) {
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      if ((*this)[i] != 0) continue;
+      const int s = sign(i);
+      if (large_) {
+        large_[i] = static_cast<std::int8_t>(s);
+        positive_ |= s > 0, negative_ |= s < 0;
+      } else {
+        positive_ |= std::uint64_t{s > 0} << i, negative_ |= std::uint64_t{s < 0} << i;
+      }
+    }
   }
 
   // Calls f(i) for every edge i both of whose ends are on.
@@ -206,7 +227,7 @@ class Signs {
 
   std::uint32_t count_;
   std::uint64_t positive_ = 0, negative_ = 0;  // up to 64 corners: a bit each; beyond: whether any
-  const std::int8_t* large_ = nullptr;         // beyond: each
+  std::int8_t* large_ = nullptr;               // beyond: each
 };
 
 // a*b - c*d with an error of about one rounding of the result: Dekker's products (1971) give what the plain ones drop. Swapping the
@@ -239,8 +260,8 @@ inline void cross(const double a[3], const double b[3], double out[3]) {
 // edges that share a vertex meet in that vertex's ray, and get its numbers: every such corner is the same to the bit, whichever of the
 // vertex's edges cut it out. `bounded`: whether a node of the tree stands on the cut.
 template <class Lines>
-void split(const Cone& c, const Signs& signs, const double m[3], float m_error, std::uint32_t cut, bool bounded,
-           std::span<const VertexRay> rays, const Lines& lines, ConePool& pool, Cone*& positive, Cone*& negative) {
+void split(const Cone& c, const Signs& signs, const double m[3], float m_error, std::uint32_t cut, bool bounded, const Lines& lines,
+           ConePool& pool, Cone*& positive, Cone*& negative) {
   const std::uint32_t n = c.count;
   const ConeCorner* const k = c.corners();
   const auto next = [n](std::uint32_t i) { return i + 1 == n ? 0 : i + 1; };
@@ -250,7 +271,10 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
   signs.changes(down, up);
 
   float error = c.error;
+  const std::span<const VertexRay> rays = lines.rays();
   const Line& mine = lines(cut);
+  // Below which square of its length a cross product is too short against its own error.
+  const double too_short = lines.is_exact() ? 0x1p-24 : 0x1p-40;
   // Where the edge leaving the corner meets the line, with that edge for its own; the edge is followed by the cut on its positive side when
   // it goes down, and follows it when it comes up. The product changes sign, and nothing else, with the order: both sides of a cut get the
   // same numbers.
@@ -265,7 +289,9 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
         // The planes meet in that ray and in its opposite; the crossing lies between the edge's ends.
         const double *r = rays[shared].r, *from = k[change.corner].r, *to = k[next(change.corner)].r;
         const auto dot = [](const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
-        const double s = dot(r, from) * std::abs(dot(m, to)) + dot(r, to) * std::abs(dot(m, from)) < 0 ? -1.0 : 1.0;
+        const bool opposite = lines.is_exact() ? lines.ahead(c.facet, shared) < 0
+                                               : dot(r, from) * std::abs(dot(m, to)) + dot(r, to) * std::abs(dot(m, from)) < 0;
+        const double s = opposite ? -1.0 : 1.0;
         for (int i = 0; i < 3; ++i) p.r[i] = s * r[i];
         error = std::max(error, rays[shared].error);
         return p;
@@ -273,7 +299,14 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
     }
     const double s = p.edge.negative() == downward ? -1.0 : 1.0;
     cross(l.n, m, p.r);
-    if (p.r[0] * p.r[0] + p.r[1] * p.r[1] + p.r[2] * p.r[2] < 0x1p-40) {
+    if (!(p.r[0] * p.r[0] + p.r[1] * p.r[1] + p.r[2] * p.r[2] >= too_short)) {
+      if (lines.is_exact()) {
+        const EdgeRef inside(cut, false);
+        const VertexRay ray = downward ? lines.ray(p.edge, inside) : lines.ray(inside, p.edge);
+        std::copy(ray.r, ray.r + 3, p.r);
+        error = std::max(error, ray.error);
+        return p;
+      }
       // Nearly one line: the product is hardly longer than its own error, and says little. The point between the edge's ends where the
       // line's test vanishes is as good a crossing as there is, lies on both, and is as certain as those ends.
       const double *from = k[change.corner].r, *to = k[next(change.corner)].r;
@@ -343,17 +376,20 @@ inline bool same_half(EdgeRef edge, const Line& own, const double m[3], float m_
 
 // Sends a cone to its side of a node's line: 0 positive, 1 negative. A cone on both sides is cut: it becomes its positive part and goes to
 // 0, and cut_off is its negative part, otherwise null. A cone that lies on the line altogether (a sliver that rounding made) goes to the
-// positive side. on: grows by the number of corners on the line. bounds(edge): whether the node serves an edge that lies on it as the
-// cell's end there; such an edge needs no node of its own.
+// positive side. bounds(edge): whether the node serves an edge that lies on it as the cell's end there; such an edge needs no node of its
+// own.
 template <class Lines, class Bounds>
-std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t line, std::span<const VertexRay> rays, const Lines& lines,
-                   const Bounds& bounds, ConePool& pool, std::vector<std::int8_t>& spill, Cone*& cut_off, std::uint64_t& on) {
+std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t line, const Lines& lines, const Bounds& bounds,
+                   ConePool& pool, std::vector<std::int8_t>& spill, Cone*& cut_off, SignCounts& counts) {
   cut_off = nullptr;
-  const Signs signs(*cone, m, static_cast<double>(m_error) + static_cast<double>(cone->error) + sign_slack, spill);
-  if (signs.any_on()) on += signs.on();
+  Signs signs(*cone, m, static_cast<double>(m_error) + static_cast<double>(cone->error) + sign_slack, spill);
+  if (signs.any_on()) {
+    if (lines.is_exact()) signs.settle([&](std::uint32_t i) { return lines.side(cone->span(), i, cone->facet, line, counts); });
+    counts.on += signs.on();
+  }
   if (signs.positive() && signs.negative()) {
     Cone* positive;
-    split(*cone, signs, m, m_error, line, true, rays, lines, pool, positive, cut_off);
+    split(*cone, signs, m, m_error, line, true, lines, pool, positive, cut_off);
     pool.give_back(cone);
     cone = positive;
     return 0;
@@ -362,7 +398,7 @@ std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t 
   if (signs.any_on()) {
     signs.for_each_on_edge([&](std::uint32_t i) {
       EdgeRef& edge = cone->corners()[i].edge;
-      if (same_half(edge, lines(edge.line()), m, m_error, side) && bounds(edge)) edge.set_bounded();
+      if ((lines.is_exact() || same_half(edge, lines(edge.line()), m, m_error, side)) && bounds(edge)) edge.set_bounded();
     });
   }
   return side;

@@ -37,9 +37,12 @@ Fit fit_plane(const Loops& loops, const Position& position) {
   const Vec3 origin = position(loops[0][0]);
   Eigen::AlignedBox3d box;
   for (const std::uint32_t v : loops[0]) box.extend(position(v));
-  const double size = box.sizes().maxCoeff();
+  const double extent = box.sizes().maxCoeff();
   out.diameter = box.sizes().stableNorm();
-  if (!std::isfinite(size) || size == 0) return out;
+  if (!std::isfinite(extent) || extent == 0) return out;
+  int exponent;
+  std::frexp(extent, &exponent);
+  const double size = std::ldexp(1.0, std::min(exponent, 1023));  // a power of two: short numbers stay short
   Vec3 sum = Vec3::Zero();
   double magnitude = 0;
   for (std::size_t k = 0; k < loops.size(); ++k) {
@@ -60,6 +63,7 @@ Fit fit_plane(const Loops& loops, const Position& position) {
   out.zero = length <= (8.0 + static_cast<double>(loops[0].size())) * unit_roundoff * magnitude;
   if (out.zero) return out;
   out.plane.normal = sum / length;
+  out.plane.exact_normal = sum * std::ldexp(1.0, -std::ilogb(sum.cwiseAbs().maxCoeff()));
   out.plane.point = origin;
   out.plane.flatness = 0;
   for (const Loop& l : loops) {

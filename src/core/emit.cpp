@@ -30,9 +30,13 @@ class AreaSum {
   Vec3 origin_, last_ = Vec3::Zero(), doubled_ = Vec3::Zero();
 };
 
-// The region of a face is its plane cut by its cone. Where its corners are flat only up to rounding, corners and region differ by as much;
-// areas are the region's, so that they add up. Where they are flat, its vertices will do.
-bool flat_enough(const Plane& plane, const Face& face) { return plane.flatness * plane.flatness <= 1e-26 * face.area; }
+// The region of a face is its plane cut by its cone. Where its corners are flat only up to rounding, corners and region differ by as much,
+// and by more where the light nearly lies in the plane; areas are the region's, so that they add up. Elsewhere its vertices will do.
+bool corners_will_do(const EmitTarget& target, std::uint32_t facet) {
+  const double flatness = target.scene.planes()[target.scene.facets()[facet].plane].flatness;
+  const double area = target.scene.faces()[target.scene.facets()[facet].face].area;
+  return flatness * flatness <= 1e-26 * area && !target.tables.grazed[facet];
+}
 
 class CellEmitter {
  public:
@@ -46,7 +50,8 @@ class CellEmitter {
         pieces_(tree.pieces()),
         merge_(merge),
         reversed_(target.space.handedness() < 0),
-        line_of_{tree} {
+        lines_(tree.lines()) {
+    w_.points.clear();
     if (merge_) find_states();
   }
 
@@ -122,7 +127,7 @@ class CellEmitter {
 
   void emit_in_front(std::uint32_t piece, std::uint32_t front) {
     const auto any = [](EdgeRef) { return true; };
-    std::uint64_t on = 0;
+    SignCounts counts;
     Cone* whole = tree_.cone_of(pieces_[piece], w_.pool);
     whole->at = front;
     w_.pending.push_back(whole);
@@ -136,8 +141,7 @@ class CellEmitter {
         if (state != mixed_state) break;
         const Node& node = nodes_[here.node()];
         Cone* cut_off;
-        place =
-            here.node() * 2 + sift(cone, node.n, node.error, node.id, target_.tables.rays, line_of_, any, w_.pool, w_.spill, cut_off, on);
+        place = here.node() * 2 + sift(cone, node.n, node.error, node.id, lines_, any, w_.pool, w_.spill, cut_off, counts);
         if (cut_off) {
           cut_off->at = here.node() * 2 + 1;
           w_.pending.push_back(cut_off);
@@ -178,7 +182,8 @@ class CellEmitter {
     Held& a = held_[held_.size() - 2];
     const Held& b = held_.back();
     const std::span<const ConeCorner> corners = held_corners_;
-    if (!alike(a.state, b.state) || !unite(corners.subspan(a.first, a.count), corners.subspan(b.first, b.count), none, line_of_, joined_))
+    if (!alike(a.state, b.state) ||
+        !unite(corners.subspan(a.first, a.count), corners.subspan(b.first, b.count), held_facet_, none, lines_, joined_))
       return false;
     held_corners_.resize(a.first);
     held_corners_.insert(held_corners_.end(), joined_.begin(), joined_.end());
@@ -195,7 +200,8 @@ class CellEmitter {
     auto& corners = out_.block.corners;
     const std::size_t first = corners.size();
     corners.resize(first + count);
-    const double area = place_polygon(target_, facet_id, cone, corners.data() + first);
+    const double area = place_polygon(target_, lines_, facet_id, cone, w_.points, corners.data() + first);
+    if (target_.constructions) note_constructions(target_, lines_, cone, first, out_.block);
     const bool lit = state == lit_state;
     out_.block.fragments.push_back(
         {{cell_, piece, place}, facet.face, facet_id, lit ? none : state, static_cast<std::uint32_t>(first), count, lit, area});
@@ -224,10 +230,7 @@ class CellEmitter {
   std::span<const Node> nodes_;
   std::span<const Piece> pieces_;
   bool merge_, reversed_;
-  struct {
-    const CellTree& tree;
-    const Line& operator()(std::uint32_t id) const { return tree.line(id); }
-  } line_of_;
+  Lines lines_;
   std::vector<std::uint32_t> states_;  // by node; empty: leave everything in pieces
 
   std::uint32_t held_facet_ = none;
@@ -237,33 +240,58 @@ class CellEmitter {
 
 }  // namespace
 
-double place_polygon(const EmitTarget& target, std::uint32_t facet_id, std::span<const ConeCorner> cone, Vec3* out) {
+double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t facet_id, std::span<const ConeCorner> cone,
+                     PointCache& points, Vec3* out) {
   const Facet& facet = target.scene.facets()[facet_id];
   const Plane& plane = target.scene.planes()[facet.plane];
   const double* q = target.tables.planes[facet.plane].q;
   const auto count = static_cast<std::uint32_t>(cone.size());
   const bool reversed = target.space.handedness() < 0;
+  // A corner where two edges of one of the facet's own vertices meet is that vertex.
+  const auto vertex = [&](std::uint32_t i) {
+    if (cone[i].vertex != none || !lines.is_exact()) return cone[i].vertex;
+    const std::uint32_t v = lines.shared_vertex(cone[i == 0 ? count - 1 : i - 1].edge, cone[i].edge);
+    const auto own = target.scene.corners_of(facet);
+    return std::any_of(own.begin(), own.end(), [v](const Corner& c) { return c.vertex == v; }) ? v : none;
+  };
+  const auto at = [&](std::uint32_t i) {
+    return lines.is_exact() ? lines.point(cone, i, facet_id, points) : target.space.back(cone[i].r, q);
+  };
   for (std::uint32_t k = 0; k < count; ++k) {
-    const ConeCorner& c = cone[reversed ? count - 1 - k : k];
-    out[k] = c.vertex == none ? target.space.back(c.r, q) : target.scene.vertices()[c.vertex];
+    const std::uint32_t i = reversed ? count - 1 - k : k;
+    const std::uint32_t v = vertex(i);
+    out[k] = v == none ? at(i) : target.scene.vertices()[v];
   }
-  if (flat_enough(plane, target.scene.faces()[facet.face])) {
+  if (corners_will_do(target, facet_id)) {
     AreaSum sum(out[0]);
     for (std::uint32_t k = 1; k < count; ++k) sum.add(out[k]);
     return sum.area(plane.normal);
   }
-  AreaSum sum(target.space.back(cone[0].r, q));
-  for (std::uint32_t k = 1; k < count; ++k) sum.add(target.space.back(cone[k].r, q));
+  AreaSum sum(at(0));
+  for (std::uint32_t k = 1; k < count; ++k) sum.add(at(k));
   return sum.area(plane.normal);
+}
+
+void note_constructions(const EmitTarget& target, const Lines& lines, std::span<const ConeCorner> cone, std::size_t first, Block& block) {
+  block.constructions.resize(block.corners.size());
+  const auto count = static_cast<std::uint32_t>(cone.size());
+  const bool reversed = target.space.handedness() < 0;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    Construction c = lines.construction(cone, reversed ? count - 1 - k : k);
+    if (reversed) std::swap(c.in, c.out);
+    block.constructions[first + k] = c;
+  }
 }
 
 double area_of_facet(const EmitTarget& target, std::uint32_t facet_id, bool in_light) {
   const Facet& facet = target.scene.facets()[facet_id];
   const Plane& plane = target.scene.planes()[facet.plane];
-  const bool project = in_light && !flat_enough(plane, target.scene.faces()[facet.face]);
-  const auto corner = [&](const Corner& c) {
-    return project ? target.space.back(target.tables.rays[c.vertex].r, target.tables.planes[facet.plane].q)
-                   : target.scene.vertices()[c.vertex];
+  const bool project = in_light && !corners_will_do(target, facet_id);
+  const auto corner = [&](const Corner& c) -> Vec3 {
+    const Vec3& vertex = target.scene.vertices()[c.vertex];
+    if (!project) return vertex;
+    if (target.tables.exact) return target.tables.exact->point(plane, {&vertex, false, nullptr, nullptr, false, false});
+    return target.space.back(target.tables.rays[c.vertex].r, target.tables.planes[facet.plane].q);
   };
   const auto corners = target.scene.corners_of(facet);
   AreaSum sum(corner(corners[0]));

@@ -21,7 +21,7 @@ struct EmitTarget {
   const Scene& scene;
   const LightSpace& space;
   const LightTables& tables;
-  bool keep_lines;
+  bool keep_lines, constructions;
 };
 
 // States of a branch in front of a PP-node: lit, shadowed by a face, or more than one.
@@ -64,7 +64,11 @@ void for_each_node_upward(const CellTree& tree, const F& f) {
 }
 
 // A polygon of a facet into world space: counter-clockwise seen from the light, as many corners as the cone has. Returns its area.
-double place_polygon(const EmitTarget& target, std::uint32_t facet, std::span<const ConeCorner> cone, Vec3* out);
+double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t facet, std::span<const ConeCorner> cone,
+                     PointCache& points, Vec3* out);
+
+// What its corners are, from corner `first` of the block on.
+void note_constructions(const EmitTarget& target, const Lines& lines, std::span<const ConeCorner> cone, std::size_t first, Block& block);
 
 // The area of a facet's region: in_light, its plane cut by its cone of light (for facets that entered); otherwise what its corners enclose.
 double area_of_facet(const EmitTarget& target, std::uint32_t facet, bool in_light);

@@ -127,6 +127,26 @@ PlaneRay LightSpace::plane(const Plane& p) const {
   return out;
 }
 
+std::pair<Vec3, Vec3> LightSpace::span(const double n_[3]) const {
+  const Vec3 n(n_);
+  // Short numbers: sums and products of them stay exact for longer.
+  const auto shortened = [this](const Vec3& x) {
+    return Vec3(x.unaryExpr([this](double c) { return std::nearbyint(c * inverse_scale_ * 0x1p24) * (scale_ * 0x1p-24); }));
+  };
+  if (!far_) {
+    const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
+    return {shortened(center_ + scale_ * u), shortened(center_ + scale_ * v)};
+  }
+  // Where the line crosses the plane through the centre that the frame's axis stands on: r = (foot + t along, 1).
+  const double length = n[0] * n[0] + n[1] * n[1];
+  const double foot[2] = {-n[2] * n[0] / length, -n[2] * n[1] / length}, along[2] = {n[1] / std::sqrt(length), -n[0] / std::sqrt(length)};
+  const auto at = [&](double t) {
+    const double r[3] = {foot[0] + t * along[0], foot[1] + t * along[1], 1};
+    return shortened(back_from_far(r, 0));
+  };
+  return {at(0), at(1)};
+}
+
 Vec3 LightSpace::back_from_far(const double r[3], double h) const {
   const double z = -sign_ * scale_ * h;
   const double w = r[2] - z * inverse_depth_;

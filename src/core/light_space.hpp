@@ -62,6 +62,17 @@ class LightSpace {
     return {center_[0] + r[0] * s, center_[1] + r[1] * s, center_[2] + r[2] * s};
   }
 
+  // What the frame is made of; see ExactLight.
+  struct Frame {
+    bool far;
+    Vec3 center;
+    int axis[3];
+    double sign, scale;
+  };
+  Frame frame() const { return {far_, center_, {axis_[0], axis_[1], axis_[2]}, sign_, scale_}; }
+  // Two points whose line of light is the plane n through the light, or nearly.
+  std::pair<Vec3, Vec3> span(const double n[3]) const;
+
   // +1 when a loop that runs counter-clockwise seen from the light does so in r too (its lines positive inside), else -1.
   int handedness() const { return handedness_; }
   bool far() const { return far_; }

@@ -74,13 +74,19 @@ void LightTree::build_all() {
   const auto start = Clock::now();
   shadows_.stats = {};
   refer_to_scene();
+  if (is_exact()) {
+    tables_.exact = std::make_unique<ExactLight>(light_, space_);
+    for (const Object& object : scene_.objects()) note_for_exact(object);
+  }
   face_the_light();
   fill_tables();
+  if (is_exact()) face_exactly();
   std::vector<Vec3> centers;
   const std::vector<std::uint32_t> order = insertion_order(centers);
   tables_.first_prefix_line = static_cast<std::uint32_t>(tables_.lines.size());
   prefix_ = std::make_unique<Prefix>(std::move(centers), space_.far(), options_.facets_per_cell, tables_.lines);
   tables_.prefix_lines = static_cast<std::uint32_t>(tables_.lines.size()) - tables_.first_prefix_line;
+  if (is_exact()) span_prefix();
   build(order);
   shadows_.stats.build_ms = ms_since(start);
   const auto built = Clock::now();
@@ -98,6 +104,8 @@ void LightTree::refer_to_scene() {
   tables_.facets = scene_.facets();
   tables_.objects = scene_.objects();
   tables_.faces = scene_.faces();
+  tables_.vertices = scene_.vertices();
+  tables_.scene_planes = scene_.planes();
 }
 
 bool LightTree::holds_light(const Object& object) const {
@@ -111,7 +119,18 @@ bool LightTree::reached(std::uint32_t f) const { return within_reach(scene_, sce
 void LightTree::face_facet(std::uint32_t i, bool is_reached, bool light_inside) {
   const Facet& facet = scene_.facets()[i];
   const Object& object = scene_.objects()[tables_.object_of(i)];
-  turned_[i] = space_.turned(scene_.planes()[facet.plane]);
+  const Plane& plane = scene_.planes()[facet.plane];
+  turned_[i] = space_.turned(plane);
+  tables_.grazed[i] = 0;
+  if (turned_[i] == Turned::edge_on && tables_.exact) {
+    // A light this near to the plane may be on different sides of it and of what its corners' rays meet; then there is no region.
+    const auto corners = scene_.corners_of(facet);
+    const bool all_ahead = std::all_of(corners.begin(), corners.end(),
+                                       [&](const Corner& c) { return tables_.exact->ahead(plane, scene_.vertices()[c.vertex]) > 0; });
+    const int front = tables_.exact->turned(plane);
+    if (front != 0 && all_ahead) turned_[i] = front > 0 ? Turned::toward : Turned::away;
+    tables_.grazed[i] = turned_[i] != Turned::edge_on;
+  }
   facing_[i] = object.receives ? Facing::away : Facing::ignored;
   enters_[i] = 0;
   tables_.blocks_only[i] = 0;
@@ -133,6 +152,7 @@ void LightTree::face_the_light() {
   facing_.assign(facets.size(), Facing::away);
   enters_.assign(facets.size(), 0);
   tables_.blocks_only.assign(facets.size(), 0);
+  tables_.grazed.assign(facets.size(), 0);
   std::vector<std::uint8_t> light_inside(scene_.objects().size(), 0), is_reached(scene_.faces().size(), 0);
   parallel(light_inside.size(), 16, [&](std::size_t o) { light_inside[o] = holds_light(scene_.objects()[o]); });
   parallel(is_reached.size(), 256, [&](std::size_t f) { is_reached[f] = reached(static_cast<std::uint32_t>(f)); });
@@ -147,6 +167,7 @@ void LightTree::make_line(std::uint32_t edge, std::uint32_t id) {
   const Edge& e = scene_.edges()[edge];
   Line& line = tables_.lines[id] = space_.line(scene_.vertices()[e.a], scene_.vertices()[e.b]);
   line.a = e.a, line.b = e.b;
+  if (tables_.exact) tables_.ends[id] = {scene_.vertices()[e.a], scene_.vertices()[e.b]};
 }
 
 // Rays, lines and planes of what enters. A line's id is its edge's index, until an object moves away from planes it leaves behind.
@@ -161,6 +182,7 @@ void LightTree::fill_tables() {
   }
   tables_.rays.resize(vertex_used.size());
   tables_.lines.resize(edge_used.size());
+  if (tables_.exact) tables_.ends.resize(edge_used.size());
   tables_.planes.resize(plane_used.size());
   tables_.line_shift.assign(scene_.objects().size(), 0);
   const auto for_used = [](const std::vector<std::uint8_t>& used, const auto& make) {
@@ -171,6 +193,141 @@ void LightTree::fill_tables() {
   for_used(vertex_used, [this](std::uint32_t i) { make_ray(i); });
   for_used(edge_used, [this](std::uint32_t i) { make_line(i, i); });
   for_used(plane_used, [this](std::uint32_t i) { make_plane(i); });
+}
+
+// The exact kernel.
+
+void LightTree::note_for_exact(const Object& object) {
+  for (const Vec3& v : scene_.vertices().subspan(object.first_vertex, object.vertex_count)) tables_.exact->note_position(v);
+  for (const Facet& f : scene_.facets().subspan(object.first_facet, object.facet_count)) {
+    if (f.corner_count != 0) tables_.exact->note_normal(scene_.planes()[f.plane].exact_normal);
+  }
+}
+
+// The prefix's planes are doubles in the light space; exactly, they go through two points.
+void LightTree::span_prefix() {
+  tables_.ends.resize(tables_.lines.size());
+  for (std::uint32_t id = tables_.first_prefix_line; id < tables_.lines.size(); ++id) {
+    const auto [a, b] = tables_.ends[id] = space_.span(tables_.lines[id].n);
+    tables_.lines[id] = space_.line(a, b);
+    tables_.exact->note_position(a);
+    tables_.exact->note_position(b);
+  }
+}
+
+void LightTree::face_exactly() {
+  shapes_.assign(scene_.facets().size(), convex);
+  parallel(shapes_.size(), 256, [this](std::size_t i) { face_exactly(static_cast<std::uint32_t>(i)); });
+}
+
+// Whether the facet's loop is convex as the light sees it. Flat up to rounding, and with straight corners, it may be so only nearly. A loop
+// that has no area there, or crosses itself, is seen edge-on.
+void LightTree::face_exactly(std::uint32_t facet) {
+  if (!enters_[facet]) return;
+  shapes_[facet] = convex;
+  Workspace& w = workspaces_.local();
+  Cone* cone = cone_of_facet(facet, w.pool);
+  bool sure = true;
+  for (std::uint32_t k = 0; k < cone->count && sure; ++k) {
+    const EdgeRef edge = cone->corners()[k].edge;
+    const Line& l = tables_.lines[edge.line()];
+    const double* r = cone->corners()[(k + 2) % cone->count].r;
+    const double s = l.n[0] * r[0] + l.n[1] * r[1] + l.n[2] * r[2];
+    sure = (edge.negative() ? -s : s) > static_cast<double>(l.error) + static_cast<double>(cone->error) + sign_slack;
+  }
+  if (sure) return w.pool.give_back(cone);
+  std::vector<Cone*> parts;
+  const std::uint32_t corners = cone->count;
+  bool simple = cut_convex(cone, w, parts);
+  if (!simple || parts.empty()) {
+    // The light may be so near to the plane that the loop runs the other way round than the plane says.
+    for (Cone* part : parts) w.pool.give_back(part);
+    parts.clear();
+    shapes_[facet] = reversed;
+    simple = cut_convex(cone_of_facet(facet, w.pool), w, parts);
+  }
+  if (!simple || parts.empty()) {
+    enters_[facet] = 0;
+    turned_[facet] = Turned::edge_on;
+    if (facing_[facet] == Facing::toward) facing_[facet] = Facing::away;
+  } else if (parts.size() > 1 || parts[0]->count != corners) {
+    shapes_[facet] |= to_be_cut;
+  }
+  for (Cone* part : parts) w.pool.give_back(part);
+}
+
+// Cuts a loop into convex parts along the lines of its own edges, where it turns the wrong way. Takes the cone. False: it crosses itself.
+bool LightTree::cut_convex(Cone* cone, Workspace& w, std::vector<Cone*>& parts) const {
+  const Lines l = lines();
+  SignCounts counts;
+  ConeCorner* c = cone->corners();
+  for (std::uint32_t k = 0; k < cone->count;) {  // the light sees both ends of an edge in one place
+    if (l(c[k].edge.line()).error <= 0x1p-20f || !tables_.exact->is_null(l.exact(c[k].edge.line()))) {
+      ++k;
+      continue;
+    }
+    const std::uint32_t next = (k + 1) % cone->count;
+    c[k].edge = c[next].edge;
+    std::copy(c + next + 1, c + cone->count, c + next);
+    --cone->count;
+    if (next < k) --k;
+  }
+  std::vector<Cone*> pending{cone};
+  bool simple = true;
+  for (std::size_t steps = 2 * cone->count; !pending.empty();) {
+    Cone* part = pending.back();
+    pending.pop_back();
+    bool has_area = false;
+    std::uint32_t wrong = none;
+    for (std::uint32_t k = 0; k < part->count && part->count >= 3; ++k) {
+      const EdgeRef edge = part->corners()[k].edge;
+      const int turn = (edge.negative() ? -1 : 1) * l.side(part->span(), (k + 2) % part->count, part->facet, edge.line(), counts);
+      has_area = has_area || turn != 0;
+      if (turn < 0) wrong = k;
+    }
+    if (wrong == none && has_area) {
+      parts.push_back(part);
+      continue;
+    }
+    if (wrong != none && simple && steps-- > 0) {
+      const std::uint32_t id = part->corners()[wrong].edge.line();
+      Signs signs(*part, l(id).n, INFINITY, w.spill);
+      signs.settle([&](std::uint32_t i) { return l.side(part->span(), i, part->facet, id, counts); });
+      std::uint32_t changes = 0;
+      int last = 0;
+      for (std::uint32_t i = 0; i < 2 * part->count; ++i) {
+        const int s = signs[i % part->count];
+        if (s == 0) continue;
+        changes += i >= part->count && s != last;
+        last = s;
+      }
+      simple = changes == 2;
+      if (simple) {
+        Cone *positive, *negative;
+        split(*part, signs, l(id).n, l(id).error, id, false, l, w.pool, positive, negative);
+        for (Cone* half : {positive, negative}) {
+          // Out and back along the cut, where the edge itself lies.
+          ConeCorner* k = half->corners();
+          for (std::uint32_t i = 0; i < half->count; ++i) {
+            const EdgeRef in = k[i == 0 ? half->count - 1 : i - 1].edge, out = k[i].edge;
+            if (in.line() != out.line() || in.negative() == out.negative()) continue;
+            std::copy(k + i + 1, k + half->count, k + i);
+            --half->count;
+            break;
+          }
+          // Where the cut ends at a corner of the facet, it is that corner.
+          for (std::uint32_t i = 0; i < half->count; ++i) {
+            if (k[i].vertex == none) k[i].vertex = l.shared_vertex(k[i == 0 ? half->count - 1 : i - 1].edge, k[i].edge);
+          }
+          pending.push_back(half);
+        }
+      }
+    } else if (wrong != none) {
+      simple = false;
+    }
+    w.pool.give_back(part);
+  }
+  return simple;
 }
 
 double LightTree::solid_angle(std::uint32_t facet) const {
@@ -266,9 +423,8 @@ Cone* LightTree::cone_of_facet(std::uint32_t facet, ConePool& pool) const {
 // Filters a facet through the prefix, and keeps what comes to each cell. A part that is the whole facet is not written down: it is told by
 // its edges, no cut, no mark.
 void LightTree::filter_into_cells(std::uint32_t facet, Parts& parts, Workspace& w) const {
-  const auto line_of = [this](std::uint32_t id) -> const Line& { return tables_.lines[id]; };
   const std::size_t corners = scene_.facets()[facet].corner_count;
-  prefix_->filter(cone_of_facet(facet, w.pool), tables_.rays, line_of, w.pool, w.spill, w.pending, [&](std::uint32_t cell, Cone* part) {
+  const auto keep = [&](std::uint32_t cell, Cone* part) {
     const auto span = part->span();
     const bool is_whole = span.size() == corners &&
                           std::all_of(span.begin(), span.end(), [](const ConeCorner& k) { return k.vertex != none && !k.edge.bounded(); });
@@ -276,7 +432,8 @@ void LightTree::filter_into_cells(std::uint32_t facet, Parts& parts, Workspace& 
     if (!is_whole) parts.corners.insert(parts.corners.end(), span.begin(), span.end());
     parts.list.push_back({cell, facet, first, is_whole ? 0 : part->count, part->error});
     w.pool.give_back(part);
-  });
+  };
+  for_each_cone_of(facet, w, [&](Cone* cone) { prefix_->filter(cone, lines(), w.pool, w.spill, w.pending, keep); });
 }
 
 Cone* LightTree::cone_of_part(const Parts& parts, const Parts::Part& part, ConePool& pool) const {
@@ -326,7 +483,7 @@ void LightTree::build(const std::vector<std::uint32_t>& order) {
     if (cell_count == 1) {
       tree.reserve(order.size());
       for (const std::uint32_t facet : order) {
-        tree.insert(cone_of_facet(facet, w.pool), w);
+        for_each_cone_of(facet, w, [&](Cone* cone) { tree.insert(cone, w); });
         progress.step();
       }
       return;
@@ -360,6 +517,7 @@ void LightTree::emit_away(std::uint32_t i, CellOutput& away) const {
   for (const Corner& c : scene_.corners_of(facet)) {
     away.block.corners.push_back(scene_.vertices()[c.vertex]);
     if (target().keep_lines) away.edge_lines.push_back(c.edge >> 1);
+    if (target().constructions) away.block.constructions.push_back({{}, {}, c.vertex});
   }
   const FragmentId id{static_cast<std::uint32_t>(cells_.size()), i, none};
   away.block.fragments.push_back({id, facet.face, i, none, first, facet.corner_count, false, area_of_facet(target(), i, false)});
@@ -449,7 +607,9 @@ LightTree::CellSums LightTree::sums_of(std::size_t c) const {
           tree.live_pieces(),
           tree.local_lines(),
           n.predicates,
-          n.on,
+          n.signs.on,
+          n.signs.by_identity,
+          n.signs.by_exact,
           tree.marked_nodes(),
           n.joined,
           n.deferred,
@@ -463,6 +623,8 @@ void LightTree::add_sums(const CellSums& n, bool more) {
   const auto add = [more](std::uint64_t& sum, std::uint64_t k) { more ? sum += k : sum -= k; };
   add(s.nodes, n.nodes), add(s.sp_nodes, n.nodes - n.pp_nodes), add(s.pp_nodes, n.pp_nodes), add(s.pieces, n.pieces);
   add(s.crossing_lines, n.crossing_lines), add(s.predicates, n.predicates), add(s.on, n.on), add(s.marked_nodes, n.marked);
+  add(s.by_identity, n.by_identity), add(s.by_exact, n.by_exact);
+  s.by_filter = s.predicates - s.by_identity - s.by_exact;
   add(s.joined, n.joined), add(s.deferred, n.deferred), add(s.cells_built_again, n.built_again), add(s.bytes, n.bytes);
 }
 

@@ -58,7 +58,10 @@ class LightTree {
   // How a facet's side that counts stands to the light. Only `toward` may be lit.
   Facing facing(std::uint32_t facet) const { return facing_[facet]; }
   // The facet's loop runs counter-clockwise in light space when followed forward.
-  bool forward(std::uint32_t facet) const { return turned_[facet] == Turned::toward ? space_.handedness() > 0 : space_.handedness() < 0; }
+  bool forward(std::uint32_t facet) const {
+    const bool ahead = turned_[facet] == Turned::toward ? space_.handedness() > 0 : space_.handedness() < 0;
+    return ahead != (is_exact() && (shapes_[facet] & reversed));
+  }
   bool front_lit(std::uint32_t facet) const { return turned_[facet] == Turned::toward; }
 
   // An update is one call of begin_update, any number of edits, and finish_update, which says what has changed.
@@ -81,8 +84,8 @@ class LightTree {
     bool orphan;                 // its object has gone elsewhere
   };
   struct CellSums {  // what a cell adds to the statistics
-    std::uint64_t nodes = 0, pp_nodes = 0, pieces = 0, crossing_lines = 0, predicates = 0, on = 0, marked = 0, joined = 0, deferred = 0,
-                  built_again = 0, bytes = 0;
+    std::uint64_t nodes = 0, pp_nodes = 0, pieces = 0, crossing_lines = 0, predicates = 0, on = 0, by_identity = 0, by_exact = 0,
+                  marked = 0, joined = 0, deferred = 0, built_again = 0, bytes = 0;
   };
   struct Fresh {  // a cell as it was when it was built last
     double nodes_per_entry = 0;
@@ -100,6 +103,8 @@ class LightTree {
     double unit = 1;
     std::int64_t lit = 0, shadowed = 0;
   };
+  // A facet as the light sees it, exactly: nearly always its loop is convex.
+  enum Shape : std::uint8_t { convex = 0, to_be_cut = 1, reversed = 2 };
   struct Parts {  // of facets, in cells
     struct Part {
       std::uint32_t cell, facet;
@@ -129,12 +134,31 @@ class LightTree {
   std::vector<std::uint32_t> by_object(std::span<const std::uint32_t> objects, const std::function<double(std::uint32_t)>& size_of) const;
   std::vector<std::uint32_t> insertion_order(std::vector<Vec3>& centers) const;
   Cone* cone_of_facet(std::uint32_t facet, ConePool& pool) const;
+  void note_for_exact(const Object& object);
+  void span_prefix();
+  void face_exactly();
+  void face_exactly(std::uint32_t facet);
+  bool cut_convex(Cone* cone, Workspace& w, std::vector<Cone*>& parts) const;
+  // The convex cones of a facet: mostly one.
+  template <class Take>
+  void for_each_cone_of(std::uint32_t facet, Workspace& w, const Take& take) const {
+    Cone* cone = cone_of_facet(facet, w.pool);
+    if (!is_exact() || !(shapes_[facet] & to_be_cut)) return take(cone);
+    std::vector<Cone*> parts;
+    cut_convex(cone, w, parts);
+    for (Cone* part : parts) take(part);
+  }
   void filter_into_cells(std::uint32_t facet, Parts& parts, Workspace& w) const;
   Cone* cone_of_part(const Parts& parts, const Parts::Part& part, ConePool& pool) const;
   void build(const std::vector<std::uint32_t>& order);
   void link_entry(std::uint32_t cell, std::uint32_t entry);
-  EmitTarget target() const { return {scene_, space_, tables_, options_.form == Form::conforming}; }
-  bool stands_away(std::uint32_t facet) const {  // never entered, and is shadowed whole
+  EmitTarget target() const {
+    const bool conforming = options_.form == Form::conforming;
+    return {scene_, space_, tables_, conforming, tables_.exact && options_.constructions && !conforming};
+  }
+  bool is_exact() const { return options_.kernel == Kernel::exact; }
+  Lines lines() const { return Lines(tables_, {}); }  // of scene and prefix
+  bool stands_away(std::uint32_t facet) const {       // never entered, and is shadowed whole
     return scene_.facets()[facet].corner_count != 0 && (facing_[facet] == Facing::away || facing_[facet] == Facing::out_of_reach);
   }
   bool is_live() const { return options_.edits && options_.form != Form::conforming; }
@@ -191,6 +215,7 @@ class LightTree {
   std::vector<Turned> turned_;        // by facet
   std::vector<Facing> facing_;        // by facet
   std::vector<std::uint8_t> enters_;  // by facet
+  std::vector<std::uint8_t> shapes_;  // by facet, exact kernel: see Shape
   std::unique_ptr<Prefix> prefix_;
   std::vector<CellTree> cells_;
   Shadows shadows_;

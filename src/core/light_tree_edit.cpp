@@ -301,15 +301,16 @@ void LightTree::build_again(std::uint32_t c, std::vector<std::uint32_t>& given_u
     objects.push_back(tables_.object_of(facet));
   }
   sort_unique(objects);
-  const auto line_of = [this](std::uint32_t id) -> const Line& { return tables_.lines[id]; };
   tree.set_live(nullptr);
   tree.start_again(given_up);
   const auto insert = [&](std::span<const std::uint32_t> some) {
     for (const std::uint32_t facet : by_object(some, [this](std::uint32_t i) { return size_in_order(i); })) {
       const auto entry = entry_of.find(facet);
       if (entry == entry_of.end()) continue;
-      Cone* part = prefix_->part_in(c, cone_of_facet(facet, w.pool), tables_.rays, line_of, w.pool, w.spill);
-      if (part) tree.insert_again(entry->second, part, w);
+      for_each_cone_of(facet, w, [&](Cone* cone) {
+        Cone* part = prefix_->part_in(c, cone, lines(), w.pool, w.spill);
+        if (part) tree.insert_again(entry->second, part, w);
+      });
     }
   };
   // What moves again and again, while others do not, stays at the leaves (CS95, section 4). But not so much of the cell that it is no build
@@ -350,9 +351,11 @@ void LightTree::grow() {
   };
   const std::size_t facets = scene_.facets().size(), faces = scene_.faces().size(), objects = scene_.objects().size();
   to(turned_, facets, Turned::edge_on);
+  to(shapes_, facets, std::uint8_t{convex});
   to(facing_, facets, Facing::away);
   to(enters_, facets, std::uint8_t{0});
   to(tables_.blocks_only, facets, std::uint8_t{0});
+  to(tables_.grazed, facets, std::uint8_t{0});
   to(away_, facets, none);
   to(away_born_, facets, 0u);
   to(tables_.rays, scene_.vertices().size(), VertexRay{});
@@ -367,6 +370,7 @@ void LightTree::grow() {
 // Everything about an object that does not depend on other objects.
 void LightTree::face_object(std::uint32_t o) {
   const Object& object = scene_.objects()[o];
+  if (is_exact()) note_for_exact(object);
   const bool light_inside = holds_light(object);
   bool any = false;
   for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
@@ -385,6 +389,11 @@ void LightTree::face_object(std::uint32_t o) {
     const std::uint32_t shift = tables_.line_shift[o];
     for (std::uint32_t i = 0; i < object.vertex_count; ++i) make_ray(object.first_vertex + i);
     for (std::uint32_t i = object.first_edge; i < object.first_edge + object.edge_count; ++i) make_line(i, i + shift);
+    for (std::uint32_t i = object.first_facet; is_exact() && i < object.first_facet + object.facet_count; ++i) {
+      const bool entered = enters_[i];
+      face_exactly(i);
+      if (entered && !enters_[i]) --shadows_.stats.facets;
+    }
   }
   for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
     note(f);
@@ -438,6 +447,7 @@ void LightTree::take_lines(std::uint32_t o) {
       const std::size_t first = tables_.lines.size();
       if (first + object.edge_count > first_local_line) throw std::bad_alloc();
       tables_.lines.resize(first + object.edge_count);
+      if (is_exact()) tables_.ends.resize(first + object.edge_count);
       b = static_cast<std::uint32_t>(line_blocks_.size());
       block_of_line_.resize(tables_.lines.size(), b);
       line_blocks_.push_back({static_cast<std::uint32_t>(first), object.edge_count, 0, false});
@@ -457,6 +467,10 @@ void LightTree::insert_away(std::uint32_t facet) {
   Fragment f = one.block.fragments[0];
   f.first_corner = away_corners_.take(block.corners, f.corner_count);
   std::copy(one.block.corners.begin(), one.block.corners.end(), block.corners.begin() + f.first_corner);
+  if (target().constructions) {
+    block.constructions.resize(block.corners.size());
+    std::copy(one.block.constructions.begin(), one.block.constructions.end(), block.constructions.begin() + f.first_corner);
+  }
   away_[facet] = static_cast<std::uint32_t>(block.fragments.size());
   away_born_[facet] = update_;
   block.fragments.push_back(f);

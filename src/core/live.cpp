@@ -45,6 +45,7 @@ void LiveCell::start(const CellTree& tree, const EmitTarget& target, Workspace& 
 }
 
 void LiveCell::emit_all(const CellTree& tree, const EmitTarget& target, Workspace& w) {
+  w.points.clear();
   make_room(tree);
   if (merge_) {
     for_each_node_upward(tree, [&](std::uint32_t node, bool is_sp) {
@@ -68,6 +69,7 @@ void LiveCell::start_again(const CellTree& tree, const EmitTarget& target, Works
 void LiveCell::forget_fragments() {
   block_->fragments.clear();
   block_->corners.clear();
+  block_->constructions.clear();
   records_.clear(), at_place_.clear(), of_piece_.clear(), states_.clear(), visit_.clear();
   free_corners_.clear();
   changed_.clear(), added_pieces_.clear();
@@ -82,6 +84,7 @@ bool LiveCell::find_state(const CellTree& tree, const EmitTarget& target, std::u
 }
 
 void LiveCell::settle(const CellTree& tree, const EmitTarget& target, Workspace& w) {
+  w.points.clear();
   make_room(tree);
   sort_unique(changed_);
   sort_unique(added_pieces_);
@@ -190,12 +193,13 @@ void LiveCell::drop(std::uint32_t fragment) {
 }
 
 void LiveCell::add(const CellTree& tree, std::uint32_t piece, std::uint32_t place, std::uint32_t state, std::span<const ConeCorner> cone,
-                   const EmitTarget& target) {
+                   const EmitTarget& target, Workspace& w) {
   const auto index = static_cast<std::uint32_t>(block_->fragments.size());
   const auto count = static_cast<std::uint32_t>(cone.size());
   const std::uint32_t facet = tree.pieces()[piece].facet, face = target.tables.facets[facet].face;
   const std::uint32_t first = free_corners_.take(block_->corners, count);
-  const double area = place_polygon(target, facet, cone, block_->corners.data() + first);
+  const double area = place_polygon(target, tree.lines(), facet, cone, w.points, block_->corners.data() + first);
+  if (target.constructions) note_constructions(target, tree.lines(), cone, first, *block_);
   const bool lit = state == lit_state;
   const FragmentId id{cell_, piece, place};
   block_->fragments.push_back({id, face, facet, lit ? none : state, first, count, lit, area});
@@ -217,12 +221,12 @@ void LiveCell::emit_piece(const CellTree& tree, std::uint32_t p, const EmitTarge
   const Piece& piece = tree.pieces()[p];
   if (!hands_out(target, piece)) return;
   if (!is_in_front(piece.kind)) {
-    add(tree, p, none, piece.kind == Piece::Kind::at_leaf ? lit_state : owner_face(tree, piece.place), tree.corners(piece), target);
+    add(tree, p, none, piece.kind == Piece::Kind::at_leaf ? lit_state : owner_face(tree, piece.place), tree.corners(piece), target, w);
     return;
   }
   const std::uint32_t front = piece.place * 2;
   const std::uint32_t state = state_of(tree, tree.child_at(front));
-  if (state != mixed_state) return add(tree, p, front, state, tree.corners(piece), target);
+  if (state != mixed_state) return add(tree, p, front, state, tree.corners(piece), target, w);
   emit_in_front(tree, p, 0, target, w);
 }
 
@@ -230,9 +234,9 @@ void LiveCell::emit_piece(const CellTree& tree, std::uint32_t p, const EmitTarge
 void LiveCell::emit_in_front(const CellTree& tree, std::uint32_t p, std::uint32_t way, const EmitTarget& target, Workspace& w) {
   const Piece& piece = tree.pieces()[p];
   if (!hands_out(target, piece)) return;
-  const auto line_of = [&tree](std::uint32_t id) -> const Line& { return tree.line(id); };
+  const Lines lines = tree.lines();
   const auto any = [](EdgeRef) { return true; };
-  std::uint64_t on = 0;
+  SignCounts counts;
   const auto send = [&w](Cone* cone, std::uint32_t place, std::uint32_t from_here) {
     cone->at = place;
     cone->entry = from_here;  // of no other use here: the way still to be followed
@@ -251,12 +255,12 @@ void LiveCell::emit_in_front(const CellTree& tree, std::uint32_t p, std::uint32_
       const Child here = tree.child_at(place);
       const std::uint32_t state = state_of(tree, here);
       if (state != mixed_state) {
-        if (follow == 0) add(tree, p, place, state, cone->span(), target);
+        if (follow == 0) add(tree, p, place, state, cone->span(), target, w);
         break;
       }
       const Node& node = tree.nodes()[here.node()];
       Cone* cut_off;
-      place = here.node() * 2 + sift(cone, node.n, node.error, node.id, target.tables.rays, line_of, any, w.pool, w.spill, cut_off, on);
+      place = here.node() * 2 + sift(cone, node.n, node.error, node.id, lines, any, w.pool, w.spill, cut_off, counts);
       if (cut_off) send(cut_off, here.node() * 2 + 1, follow);
     }
     w.pool.give_back(cone);

@@ -75,7 +75,7 @@ class LiveCell {
   void emit_in_front(const CellTree& tree, std::uint32_t piece, std::uint32_t way, const EmitTarget& target, Workspace& w);
   void emit_piece(const CellTree& tree, std::uint32_t piece, const EmitTarget& target, Workspace& w);
   void add(const CellTree& tree, std::uint32_t piece, std::uint32_t place, std::uint32_t state, std::span<const ConeCorner> cone,
-           const EmitTarget& target);
+           const EmitTarget& target, Workspace& w);
 
   std::uint32_t cell_;
   bool merge_;

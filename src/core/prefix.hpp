@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "cone.hpp"
+#include "lines.hpp"
 
 namespace shadowcut {
 
@@ -34,17 +34,15 @@ class Prefix {
   std::uint32_t depth_of(std::uint32_t cell) const { return depth_[cell]; }
 
   // The part of a cone that filter() delivers to one cell. Takes the cone; null if none comes there.
-  template <class Lines>
-  Cone* part_in(std::uint32_t cell, Cone* cone, std::span<const VertexRay> rays, const Lines& lines, ConePool& pool,
-                std::vector<std::int8_t>& spill) const {
+  Cone* part_in(std::uint32_t cell, Cone* cone, const Lines& lines, ConePool& pool, std::vector<std::int8_t>& spill) const {
     std::vector<Step> way;
     for (Step s = cell_above_[cell]; s.node != none; s = node_above_[s.node]) way.push_back(s);
-    std::uint64_t on = 0;
+    SignCounts counts;
     for (auto s = way.rbegin(); s != way.rend(); ++s) {
       const Line& line = lines(nodes_[s->node].line);
       Cone* cut_off;
       const std::uint32_t side = sift(
-          cone, line.n, line.error, nodes_[s->node].line, rays, lines, [](EdgeRef) { return true; }, pool, spill, cut_off, on);
+          cone, line.n, line.error, nodes_[s->node].line, lines, [](EdgeRef) { return true; }, pool, spill, cut_off, counts);
       if (side != s->side) std::swap(cone, cut_off);
       if (cut_off) pool.give_back(cut_off);
       if (!cone) return nullptr;
@@ -53,11 +51,11 @@ class Prefix {
   }
 
   // Filters a cone into the cells it meets; deliver(cell, cone) takes each part.
-  template <class Lines, class Deliver>
-  void filter(Cone* cone, std::span<const VertexRay> rays, const Lines& lines, ConePool& pool, std::vector<std::int8_t>& spill,
-              std::vector<Cone*>& pending, Deliver deliver) const {
+  template <class Deliver>
+  void filter(Cone* cone, const Lines& lines, ConePool& pool, std::vector<std::int8_t>& spill, std::vector<Cone*>& pending,
+              Deliver deliver) const {
     cone->at = root_.bits;
-    std::uint64_t on = 0;
+    SignCounts counts;
     const std::size_t bottom = pending.size();
     pending.push_back(cone);
     while (pending.size() > bottom) {
@@ -69,7 +67,7 @@ class Prefix {
         const Line& line = lines(node.line);
         Cone* cut_off;
         here = node.side[sift(
-            cone, line.n, line.error, node.line, rays, lines, [](EdgeRef) { return true; }, pool, spill, cut_off, on)];
+            cone, line.n, line.error, node.line, lines, [](EdgeRef) { return true; }, pool, spill, cut_off, counts)];
         if (cut_off) {
           cut_off->at = node.side[1].bits;
           pending.push_back(cut_off);

@@ -124,7 +124,7 @@ void Scene::grow_to(const Room& room) {
   };
   grow(vertices_, vertex_array, Vec3(Vec3::Zero()));
   grow(edges_, edge_array, Edge{0, 0});
-  grow(planes_, plane_array, Plane{Vec3::Zero(), Vec3::Zero(), 0, 0});
+  grow(planes_, plane_array, Plane{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), 0, 0});
   grow(facets_, facet_array, no_facet);
   grow(corners_, corner_array, Corner{0, 0});
   grow(faces_, face_array, no_face);

@@ -61,8 +61,6 @@ void CellTree::insert_at(Cone* cone, std::uint32_t place, Workspace& w) {
 // One cone, down to where it comes to rest; the parts cut off on the way are left in w.pending with the place they go on from.
 void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
   const Facet& facet = tables_->facets[cone->facet];
-  const PlaneRay& own = tables_->planes[facet.plane];
-  const auto line_of = [this](std::uint32_t id) -> const Line& { return line(id); };
   for (;;) {
     const Child here = child_at(place);
     if (here.is_sp()) {
@@ -75,8 +73,7 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
       };
       counts_.predicates += cone->count;
       Cone* cut_off;
-      place =
-          here.node() * 2 + sift(cone, node.n, node.error, node.id, tables_->rays, line_of, bounds, w.pool, w.spill, cut_off, counts_.on);
+      place = here.node() * 2 + sift(cone, node.n, node.error, node.id, lines(), bounds, w.pool, w.spill, cut_off, counts_.signs);
       if (cut_off) {
         cut_off->at = here.node() * 2 + 1;
         w.pending.push_back(cut_off);
@@ -104,18 +101,23 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
 
     const std::uint32_t pp = here.node();
     const Node& node = nodes_[pp];
-    if (tables_->facets[pieces_[node.id].facet].plane == facet.plane) {  // two facets of one face
+    const std::uint32_t other = tables_->facets[pieces_[node.id].facet].plane;
+    if (other == facet.plane) {  // two facets of one face
       add_to_list(store(*cone, Piece::Kind::coplanar, pp), pp);
       break;
     }
-    const PlaneDifference nearer(own, node.n, node.error);
-    const Signs signs(*cone, nearer.d, nearer.bound(*cone), w.spill);
+    const PlaneDifference nearer(tables_->planes[facet.plane], node.n, node.error);
+    Signs signs(*cone, nearer.d, nearer.bound(*cone), w.spill);
+    if (tables_->exact) {
+      signs.settle([&](std::uint32_t i) { return lines().nearer(cone->span(), i, cone->facet, other, counts_.signs); });
+    }
     counts_.predicates += cone->count;
-    counts_.on += signs.on();
+    counts_.signs.on += signs.on();
     if (signs.positive() && signs.negative()) {
-      const std::uint32_t cut = add_local_line(nearer.line());
+      const Plane &p = tables_->scene_planes[facet.plane], &q = tables_->scene_planes[other];
+      const std::uint32_t cut = add_local_line(nearer.line(), {true, {p.exact_normal, p.point, q.exact_normal, q.point}});
       Cone *front, *behind;
-      split(*cone, signs, line(cut).n, line(cut).error, cut, false, tables_->rays, line_of, w.pool, front, behind);
+      split(*cone, signs, line(cut).n, line(cut).error, cut, false, lines(), w.pool, front, behind);
       w.pool.give_back(cone);
       add_to_list(store(*behind, Piece::Kind::behind, pp), pp);
       w.pool.give_back(behind);
@@ -252,14 +254,14 @@ std::uint32_t CellTree::add_node(const double n[3], float error, std::uint32_t i
   return index;
 }
 
-std::uint32_t CellTree::add_local_line(const Line& line) {
+std::uint32_t CellTree::add_local_line(const Line& line, const LightLine& exact) {
   std::uint32_t index;
   if (free_lines_.empty()) {
     index = static_cast<std::uint32_t>(local_lines_.size());
-    local_lines_.push_back({line, 0});
+    local_lines_.push_back({line, 0, exact});
   } else {
     index = free_lines_.take();
-    local_lines_[index] = {line, 0};
+    local_lines_[index] = {line, 0, exact};
   }
   return first_local_line + index;
 }

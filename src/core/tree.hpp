@@ -23,8 +23,8 @@
 #include <string>
 #include <vector>
 
-#include "cone.hpp"
 #include "free_list.hpp"
+#include "lines.hpp"
 
 namespace shadowcut {
 
@@ -93,36 +93,17 @@ struct Piece {
 
 inline constexpr std::uint32_t root_place = none;
 
-// Line ids: edges of the scene and planes of the prefix lie below, a cell's own lines from here on.
-inline constexpr std::uint32_t first_local_line = 1u << 29;
-
-// What all cells of one light share, read-only while cells are built or edited.
-struct LightTables {
-  std::vector<Line> lines;       // by line id, below first_local_line
-  std::vector<VertexRay> rays;   // by Scene::vertices(); only those of facets that enter are filled in
-  std::vector<PlaneRay> planes;  // by Scene::planes(); likewise
-  std::uint32_t first_prefix_line = 0, prefix_lines = 0;
-  std::span<const Facet> facets;
-  std::span<const Object> objects;
-  std::span<const Face> faces;
-  std::vector<std::uint8_t> blocks_only;  // by facet: the far wall of a solid the light is in; it casts, its own side is dark
-  std::vector<std::uint32_t> line_shift;  // by object: what to add to an edge's index for its line's id
-  bool edits = false;                     // whether objects will come and go
-  std::uint32_t join_threshold = 0;
-  std::uint32_t object_of(std::uint32_t facet) const { return faces[facets[facet].face].object; }
-  bool casts(std::uint32_t facet) const { return objects[object_of(facet)].casts; }
-  bool is_prefix_line(std::uint32_t id) const { return id - first_prefix_line < prefix_lines; }
-};
-
 // Memory that one thread uses again for cell after cell.
 struct Workspace {
   ConePool pool;
   std::vector<std::int8_t> spill;  // see Signs
   std::vector<Cone*> pending;
+  PointCache points;
 };
 
 struct TreeCounts {
-  std::uint64_t predicates = 0, on = 0;
+  std::uint64_t predicates = 0;
+  SignCounts signs;
   std::uint64_t joined = 0, deferred = 0;
 };
 
@@ -145,6 +126,7 @@ class CellTree {
   // The cone of a piece, as it lies in the tree.
   Cone* cone_of(const Piece& piece, ConePool& pool) const;
 
+  Lines lines() const { return Lines(*tables_, local_lines_); }
   const Line& line(std::uint32_t id) const { return id < first_local_line ? tables_->lines[id] : local_lines_[id - first_local_line].line; }
   const LightTables& tables() const { return *tables_; }
   Child root() const { return root_; }
@@ -173,10 +155,6 @@ class CellTree {
   std::string validate() const;
 
  private:
-  struct LocalLine {
-    Line line;
-    std::uint32_t uses;  // by nodes and by stored pieces' edges
-  };
   struct Displaced {
     Cone* cone;
     std::uint32_t place;
@@ -195,7 +173,7 @@ class CellTree {
   void unlink(std::uint32_t piece);
   void release_piece(std::uint32_t piece);
   std::uint32_t add_node(const double n[3], float error, std::uint32_t id, std::uint32_t parent, std::uint32_t owner);
-  std::uint32_t add_local_line(const Line& line);
+  std::uint32_t add_local_line(const Line& line, const LightLine& exact);
   void count_use(std::uint32_t line, bool more);
 
   // tree_edit.cpp

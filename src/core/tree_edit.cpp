@@ -225,7 +225,7 @@ bool CellTree::join(std::uint32_t node, Workspace& w) {
     }
     Line copy = line(id);
     copy.a = copy.b = none;
-    names.emplace_back(id, add_local_line(copy));
+    names.emplace_back(id, add_local_line(copy, tables_->exact ? lines().exact(id) : LightLine{}));
     idle_lines_.push_back(names.back().second - first_local_line);  // unless something will be stored with it
     return names.back().second;
   };
@@ -317,11 +317,10 @@ void CellTree::add_sp_above(std::uint32_t pp, EdgeRef edge, std::uint32_t owner)
 // `halves`.
 bool CellTree::reunite(std::uint32_t piece, std::uint32_t line_id, std::uint32_t node, std::vector<Displaced>& halves, Workspace& w) {
   const std::uint32_t pp = pieces_[piece].place;
-  const auto line_of = [this](std::uint32_t id) -> const Line& { return line(id); };
   std::vector<ConeCorner> whole;
   for (auto h = halves.begin(); h != halves.end(); ++h) {
     Cone& half = *h->cone;
-    if (half.entry != pieces_[piece].entry || !unite(corners(pieces_[piece]), half.span(), line_id, line_of, whole)) continue;
+    if (half.entry != pieces_[piece].entry || !unite(corners(pieces_[piece]), half.span(), half.facet, line_id, lines(), whole)) continue;
     if (!fits_below(half, links_[pp].parent, node, w)) continue;
     // Edges of the half that neither it nor the piece ends at already.
     std::vector<EdgeRef> open;
@@ -353,15 +352,22 @@ bool CellTree::reunite(std::uint32_t piece, std::uint32_t line_id, std::uint32_t
 
 // Whether a cone lies on the way's side of every node from a place up to, and without, `node`.
 bool CellTree::fits_below(Cone& cone, std::uint32_t place, std::uint32_t node, Workspace& w) const {
-  const PlaneRay& own = tables_->planes[tables_->facets[cone.facet].plane];
+  const std::uint32_t own = tables_->facets[cone.facet].plane;
+  SignCounts counts;
   for (; place >> 1 != node; place = links_[place >> 1].parent) {
     const Node& here = nodes_[place >> 1];
     if (child_at(links_[place >> 1].parent).is_pp()) {
-      const PlaneDifference nearer(own, here.n, here.error);
-      if (Signs(cone, nearer.d, nearer.bound(cone), w.spill).negative()) return false;
+      const PlaneDifference nearer(tables_->planes[own], here.n, here.error);
+      Signs signs(cone, nearer.d, nearer.bound(cone), w.spill);
+      const std::uint32_t other = tables_->facets[pieces_[here.id].facet].plane;
+      if (tables_->exact && other != own) {
+        signs.settle([&](std::uint32_t i) { return lines().nearer(cone.span(), i, cone.facet, other, counts); });
+      }
+      if (signs.negative()) return false;
       continue;
     }
-    const Signs signs(cone, here.n, static_cast<double>(here.error) + static_cast<double>(cone.error) + sign_slack, w.spill);
+    Signs signs(cone, here.n, static_cast<double>(here.error) + static_cast<double>(cone.error) + sign_slack, w.spill);
+    if (tables_->exact) signs.settle([&](std::uint32_t i) { return lines().side(cone.span(), i, cone.facet, here.id, counts); });
     if (place & 1 ? signs.positive() : signs.negative()) return false;
   }
   return true;
@@ -369,12 +375,11 @@ bool CellTree::fits_below(Cone& cone, std::uint32_t place, std::uint32_t node, W
 
 // Joins a piece that has come to a PP-node's list with pieces of its facet already there.
 void CellTree::reunite_in_list(std::uint32_t piece, std::uint32_t pp) {
-  const auto line_of = [this](std::uint32_t id) -> const Line& { return line(id); };
   std::vector<ConeCorner> whole;
   for (std::uint32_t p = links_[pp].first; p != none;) {
     const std::uint32_t next = pieces_[p].next;
     if (p != piece && pieces_[p].entry == pieces_[piece].entry && pieces_[p].kind == pieces_[piece].kind &&
-        unite(corners(pieces_[piece]), corners(pieces_[p]), none, line_of, whole)) {
+        unite(corners(pieces_[piece]), corners(pieces_[p]), pieces_[p].facet, none, lines(), whole)) {
       const float error = pieces_[p].error;
       unlink(p);
       release_piece(p);
