@@ -20,7 +20,7 @@ ROOM_LIGHT = "point:2.61,2.23,2.41"
 
 TOP_KEYS = {"scene", "kernel", "threads", "load_ms", "lights"}
 LIGHT_KEYS = {"light", "faces", "facing_faces", "facing_area", "lit_area", "shadowed_area", "lit_fragments", "shadowed_fragments",
-              "tree_nodes", "tree_depth", "build_ms", "emit_ms"}
+              "tree_nodes", "tree_depth", "build_ms", "emit_ms", "predicates", "by_identity", "by_filter", "by_exact"}
 REPLAY_KEYS = {"updates", "rebuild_ms", "max_area_error"}
 UPDATE_KEYS = {"update", "edits", "update_ms", "fragments_gone", "fragments_new", "lit_area", "tree_nodes", "marked_nodes"}
 AREA_COLUMNS = ["light", "object", "face", "facing", "area", "lit_area", "shadowed_area"]
@@ -181,8 +181,23 @@ class Results(Cli):
         self.assertEqual(closed["facing_faces"], 193)
         self.assertEqual(opened["facing_faces"], 385)
 
-    def test_kernel_fast(self):
-        self.assertEqual(self.cast_json(os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT, "--kernel", "fast")["kernel"], "fast")
+    def test_kernels(self):
+        reports = {k: self.cast_json(os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT, "--kernel", k) for k in ("fast", "exact")}
+        for kernel, report in reports.items():
+            light = report["lights"][0]
+            self.assertEqual(report["kernel"], kernel)
+            self.assertEqual(light["by_identity"] + light["by_filter"] + light["by_exact"], light["predicates"])
+        fast, exact = (reports[k]["lights"][0] for k in ("fast", "exact"))
+        self.assertAlmostEqual(fast["lit_area"], exact["lit_area"], places=9)
+        self.assertEqual(fast["by_filter"], fast["predicates"])
+        self.assertGreater(exact["by_identity"], 0)
+        self.assertGreater(exact["by_exact"], 0)
+
+    def test_replay_with_the_exact_kernel(self):
+        result = run("replay", os.path.join(DATA, "room4.obj"), os.path.join(DATA, "room4_edits.jsonl"), "--light", ROOM_LIGHT, "--kernel", "exact",
+                     "--verify", "--json", "-", "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertLess(json.loads(result.stdout)["max_area_error"], 1e-9)
 
     def test_lights_of_the_file(self):
         report = self.cast_json(os.path.join(DATA, "lamp.gltf"))
