@@ -9,17 +9,16 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <set>
-#include <sstream>
 
 #include "check.hpp"
 #include "edit_checks.hpp"
 #include "edit_scripts.hpp"
+#include "settings.hpp"
 
 namespace shadowcut::testing {
 namespace {
@@ -28,22 +27,7 @@ using scenes::Random;
 using scenes::SceneData;
 using std::chrono::nanoseconds;
 
-std::optional<std::uint64_t> environment(const char* name) {
-  const char* value = std::getenv(name);
-  return value ? std::optional(std::strtoull(value, nullptr, 10)) : std::nullopt;
-}
-
 std::uint64_t first_seed() { return 1000000 * environment("SHADOWCUT_SEED").value_or(0); }
-
-std::string describe(const Options& o) {
-  constexpr std::array forms{"pieces", "merged", "conforming"};
-  constexpr std::array orders{"solid_angle", "as_given", "random"};
-  std::ostringstream out;
-  out << "form " << forms[static_cast<std::size_t>(o.form)] << ", order " << orders[static_cast<std::size_t>(o.order)]
-      << ", facets_per_cell " << o.facets_per_cell << ", join_threshold " << o.join_threshold << ", threads " << o.threads
-      << (o.edits ? "" : ", no edits");
-  return out.str();
-}
 
 Options some_options(std::uint64_t seed) {
   Random random(7 * seed + 3);

@@ -9,26 +9,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <limits>
-#include <optional>
-#include <sstream>
 
 #include "check.hpp"
 #include "exact_checks.hpp"
 #include "exact_oracle.hpp"
 #include "exact_scenes.hpp"
+#include "settings.hpp"
 
 namespace shadowcut::testing {
 namespace {
 
 using scenes::Random;
-
-std::optional<std::uint64_t> environment(const char* name) {
-  const char* value = std::getenv(name);
-  return value ? std::optional(std::strtoull(value, nullptr, 10)) : std::nullopt;
-}
 
 struct Seeds {
   std::uint64_t first, end;
@@ -37,16 +30,6 @@ Seeds seeds(std::uint64_t usual, std::uint64_t share_of_soak) {
   if (const auto one = environment("SHADOWCUT_SCENE")) return {*one, *one + 1};
   const std::uint64_t first = 1000000 * environment("SHADOWCUT_SEED").value_or(0), soak = environment("SHADOWCUT_SOAK").value_or(0);
   return {first, first + (soak ? soak / share_of_soak + 1 : usual)};
-}
-
-std::string describe_options(const Options& o) {
-  constexpr std::array forms{"pieces", "merged"};
-  constexpr std::array orders{"solid_angle", "as_given", "random"};
-  std::ostringstream out;
-  out << "form " << forms[static_cast<std::size_t>(o.form)] << ", order " << orders[static_cast<std::size_t>(o.order)] << ", seed "
-      << o.seed << ", facets_per_cell " << o.facets_per_cell << ", join_threshold " << o.join_threshold << ", threads " << o.threads
-      << (o.edits ? "" : ", no edits");
-  return out.str();
 }
 
 Options some_options(std::uint64_t seed) {
@@ -83,7 +66,7 @@ std::string check_scene(const ExactScene& made, const Options& options) {
 // For a failure's message.
 std::string explain(const ExactScene& made, const Options& options) {
   const ExactScene least = reduced_scene(made, [&](const ExactScene& s) { return !check_scene(s, options).empty(); });
-  return describe_options(options) + "\nleast scene that fails:\n" + describe(least) + "there: " + check_scene(least, options);
+  return describe(options) + "\nleast scene that fails:\n" + describe(least) + "there: " + check_scene(least, options);
 }
 
 class ExactOf : public ::testing::TestWithParam<ExactKind> {};
@@ -133,8 +116,8 @@ TEST_P(ExactOf, TwoThreadsSameBits) {
     const Shadows one = cast_shadows(scene, made.light, options);
     options.threads = 2;
     const Shadows two = cast_shadows(scene, made.light, options);
-    ASSERT_EQ(check_identical(one, two), "") << name_of(GetParam()) << ", seed " << seed << ", " << describe_options(options);
-    ASSERT_EQ(check_same_constructions(one, two), "") << name_of(GetParam()) << ", seed " << seed << ", " << describe_options(options);
+    ASSERT_EQ(check_identical(one, two), "") << name_of(GetParam()) << ", seed " << seed << ", " << describe(options);
+    ASSERT_EQ(check_same_constructions(one, two), "") << name_of(GetParam()) << ", seed " << seed << ", " << describe(options);
   }
 }
 
@@ -407,7 +390,7 @@ std::string explain(History history, const Options& options) {
       if (run(history, options).empty()) edit.object.faces = kept;
     }
   }
-  return describe_options(options) + "\nleast history that fails:\n" + text_of(history) + "there: " + run(history, options);
+  return describe(options) + "\nleast history that fails:\n" + text_of(history) + "there: " + run(history, options);
 }
 
 TEST(ExactEdits, GridHistories) {

@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 #include "exact.hpp"
 #include "scenes.hpp"
+#include "settings.hpp"
 
 namespace shadowcut {
 namespace {
@@ -16,11 +16,6 @@ namespace {
 using Number = mpq_class;
 using Triple = std::array<Number, 3>;
 using scenes::Random;
-
-std::uint64_t environment(const char* name, std::uint64_t otherwise) {
-  const char* text = std::getenv(name);
-  return text ? std::strtoull(text, nullptr, 10) : otherwise;
-}
 
 Triple triple(const Vec3& v) { return {Number(v[0]), Number(v[1]), Number(v[2])}; }
 Triple minus(const Triple& a, const Triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -92,7 +87,8 @@ ExactCorner at(const Vec3& x) { return {&x, false, nullptr, nullptr, false, fals
 
 template <class Body>
 void for_cases(double scale, const Body& body) {
-  const std::uint64_t count = environment("SHADOWCUT_SOAK", 100000) / 16, first = environment("SHADOWCUT_SEED", 0) * 1000000;
+  const std::uint64_t count = testing::environment("SHADOWCUT_SOAK").value_or(100000) / 16,
+                      first = testing::environment("SHADOWCUT_SEED").value_or(0) * 1000000;
   for (std::uint64_t seed = first; seed < first + count && !::testing::Test::HasFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed) + ", scale " + std::to_string(scale));
     Random random(seed);

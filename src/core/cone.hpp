@@ -18,6 +18,7 @@
 #endif
 
 #include "light_space.hpp"
+#include "two_doubles.hpp"
 
 namespace shadowcut {
 
@@ -43,6 +44,9 @@ struct ConeCorner {
   std::uint32_t vertex;  // index into Scene::vertices() when the corner is that vertex, else none
 };
 static_assert(sizeof(ConeCorner) == 32);
+
+// The edge that comes to corner i.
+inline EdgeRef incoming(std::span<const ConeCorner> cone, std::size_t i) { return cone[i == 0 ? cone.size() - 1 : i - 1].edge; }
 
 struct Cone {
   std::uint32_t count, capacity;  // capacity: even, so that corners can be tested two at a time
@@ -233,14 +237,8 @@ class Signs {
 // a*b - c*d with an error of about one rounding of the result: Dekker's products (1971) give what the plain ones drop. Swapping the
 // products changes the sign and nothing else.
 inline double difference_of_products(double a, double b, double c, double d) {
-  const auto two_product_tail = [](double x, double y, double p) {
-    constexpr double splitter = 0x1p27 + 1;
-    const double xs = splitter * x, ys = splitter * y;
-    const double xh = xs - (xs - x), yh = ys - (ys - y), xl = x - xh, yl = y - yh;
-    return ((xh * yh - p) + xh * yl + xl * yh) + xl * yl;
-  };
-  const double p = a * b, q = c * d;
-  return (p - q) + (two_product_tail(a, b, p) - two_product_tail(c, d, q));
+  const TwoDoubles p = two_product(a, b), q = two_product(c, d);
+  return (p.high - q.high) + (p.low - q.low);
 }
 
 // The cross product of two unit lines. Where they are nearly parallel the plain product loses the digits that say where along them they
@@ -283,19 +281,16 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
     if (change.on) return p;
     const Line& l = lines(p.edge.line());
     p.vertex = none;
-    if (l.a != none && mine.a != none) {
-      const std::uint32_t shared = l.a == mine.a || l.a == mine.b ? l.a : l.b == mine.a || l.b == mine.b ? l.b : none;
-      if (shared != none) {
-        // The planes meet in that ray and in its opposite; the crossing lies between the edge's ends.
-        const double *r = rays[shared].r, *from = k[change.corner].r, *to = k[next(change.corner)].r;
-        const auto dot = [](const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
-        const bool opposite = lines.is_exact() ? lines.ahead(c.facet, shared) < 0
-                                               : dot(r, from) * std::abs(dot(m, to)) + dot(r, to) * std::abs(dot(m, from)) < 0;
-        const double s = opposite ? -1.0 : 1.0;
-        for (int i = 0; i < 3; ++i) p.r[i] = s * r[i];
-        error = std::max(error, rays[shared].error);
-        return p;
-      }
+    if (const std::uint32_t shared = shared_vertex(l, mine); shared != none) {
+      // The planes meet in that ray and in its opposite; the crossing lies between the edge's ends.
+      const double *r = rays[shared].r, *from = k[change.corner].r, *to = k[next(change.corner)].r;
+      const auto dot = [](const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+      const bool opposite = lines.is_exact() ? lines.ahead(c.facet, shared) < 0
+                                             : dot(r, from) * std::abs(dot(m, to)) + dot(r, to) * std::abs(dot(m, from)) < 0;
+      const double s = opposite ? -1.0 : 1.0;
+      for (int i = 0; i < 3; ++i) p.r[i] = s * r[i];
+      error = std::max(error, rays[shared].error);
+      return p;
     }
     const double s = p.edge.negative() == downward ? -1.0 : 1.0;
     cross(l.n, m, p.r);

@@ -250,7 +250,7 @@ double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t
   // A corner where two edges of one of the facet's own vertices meet is that vertex.
   const auto vertex = [&](std::uint32_t i) {
     if (cone[i].vertex != none || !lines.is_exact()) return cone[i].vertex;
-    const std::uint32_t v = lines.shared_vertex(cone[i == 0 ? count - 1 : i - 1].edge, cone[i].edge);
+    const std::uint32_t v = lines.shared_vertex(incoming(cone, i), cone[i].edge);
     const auto own = target.scene.corners_of(facet);
     return std::any_of(own.begin(), own.end(), [v](const Corner& c) { return c.vertex == v; }) ? v : none;
   };

@@ -31,6 +31,12 @@ struct Line {  // a plane through the light; as seen from the light, a line
   std::uint32_t a = none, b = none;  // the vertices whose rays lie on it, where it is an edge's
 };
 
+// The vertex in whose ray two edges' lines meet; none if they have none in common.
+inline std::uint32_t shared_vertex(const Line& l, const Line& m) {
+  if (l.a == none || m.a == none) return none;
+  return l.a == m.a || l.a == m.b ? l.a : l.b == m.a || l.b == m.b ? l.b : none;
+}
+
 struct PlaneRay {  // a face's plane in light space
   double q[3];
   float error;  // absolute, of q, with the plane's own flatness: nearer together than the input is flat counts as touching

@@ -309,7 +309,7 @@ bool LightTree::cut_convex(Cone* cone, Workspace& w, std::vector<Cone*>& parts) 
           // Out and back along the cut, where the edge itself lies.
           ConeCorner* k = half->corners();
           for (std::uint32_t i = 0; i < half->count; ++i) {
-            const EdgeRef in = k[i == 0 ? half->count - 1 : i - 1].edge, out = k[i].edge;
+            const EdgeRef in = incoming(half->span(), i), out = k[i].edge;
             if (in.line() != out.line() || in.negative() == out.negative()) continue;
             std::copy(k + i + 1, k + half->count, k + i);
             --half->count;
@@ -317,7 +317,7 @@ bool LightTree::cut_convex(Cone* cone, Workspace& w, std::vector<Cone*>& parts) 
           }
           // Where the cut ends at a corner of the facet, it is that corner.
           for (std::uint32_t i = 0; i < half->count; ++i) {
-            if (k[i].vertex == none) k[i].vertex = l.shared_vertex(k[i == 0 ? half->count - 1 : i - 1].edge, k[i].edge);
+            if (k[i].vertex == none) k[i].vertex = l.shared_vertex(incoming(half->span(), i), k[i].edge);
           }
           pending.push_back(half);
         }

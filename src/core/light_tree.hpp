@@ -29,10 +29,9 @@ class Sum {
   void add(double x) {
     std::size_t kept = 0;
     for (double part : parts_) {
-      const double s = x + part, from_part = s - x;
-      const double lost = (x - (s - from_part)) + (part - from_part);
-      if (lost != 0) parts_[kept++] = lost;
-      x = s;
+      const TwoDoubles s = two_sum(x, part);
+      if (s.low != 0) parts_[kept++] = s.low;
+      x = s.high;
     }
     parts_.resize(kept);
     if (x != 0) parts_.push_back(x);

@@ -10,8 +10,6 @@ bool in_line(const Vec3& a, const Vec3& b, const Vec3& c) {
   return common >= 2;
 }
 
-EdgeRef incoming(std::span<const ConeCorner> cone, std::uint32_t i) { return cone[i == 0 ? cone.size() - 1 : i - 1].edge; }
-
 }  // namespace
 
 LightLine Lines::exact(std::uint32_t id) const {
@@ -21,9 +19,7 @@ LightLine Lines::exact(std::uint32_t id) const {
 }
 
 std::uint32_t Lines::shared_vertex(EdgeRef a, EdgeRef b) const {
-  const Line &l = (*this)(a.line()), &m = (*this)(b.line());
-  if (l.a == none || m.a == none || a.line() == b.line()) return none;
-  return l.a == m.a || l.a == m.b ? l.a : l.b == m.a || l.b == m.b ? l.b : none;
+  return a.line() == b.line() ? none : shadowcut::shared_vertex((*this)(a.line()), (*this)(b.line()));
 }
 
 void Lines::hold(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t facet, Held& held) const {

@@ -52,6 +52,7 @@ class PointCache {
   template <class Make>
   Vec3 get(std::uint32_t plane, std::uint32_t in, std::uint32_t out, const Make& make) {
     if (in > out) std::swap(in, out);
+    if (slots_.empty()) slots_.resize(std::size_t{1} << bits);
     Slot& slot = slots_[(in * 0x9E3779B1u ^ out * 0x85EBCA77u ^ plane * 0xC2B2AE3Du) >> (32 - bits)];
     if (slot.generation != generation_ || slot.plane != plane || slot.in != in || slot.out != out)
       slot = {make(), generation_, plane, in, out};
@@ -65,7 +66,7 @@ class PointCache {
     std::uint64_t generation = 0;
     std::uint32_t plane = none, in = none, out = none;
   };
-  std::vector<Slot> slots_ = std::vector<Slot>(std::size_t{1} << bits);
+  std::vector<Slot> slots_;  // empty until asked
   std::uint64_t generation_ = 1;
 };
 

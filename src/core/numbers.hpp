@@ -4,9 +4,8 @@
 //   Expansion  a sum of doubles, exact as long as nothing leaves the range of double: for signs, short numbers cost little
 //   Wide       an integer times a power of two: exact, whatever the exponents
 //
-// Sources: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997 (two_sum,
-// two_product, sums and products of expansions); T. J. Dekker, "A Floating-Point Technique for Extending the Available Precision", 1971.
-// Everything here needs round-to-even and unfused operations.
+// Sources: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997 (sums and
+// products of expansions). Everything here needs round-to-even and unfused operations.
 #pragma once
 
 #include <algorithm>
@@ -15,28 +14,9 @@
 #include <cmath>
 #include <cstdint>
 
+#include "two_doubles.hpp"
+
 namespace shadowcut {
-
-struct TwoDoubles {
-  double high, low;  // |low| is at most half an ulp of high
-};
-
-inline TwoDoubles two_sum(double a, double b) {
-  const double s = a + b, from_b = s - a;
-  return {s, (a - (s - from_b)) + (b - from_b)};
-}
-
-inline TwoDoubles fast_two_sum(double a, double b) {  // |a| >= |b|, or a is 0
-  const double s = a + b;
-  return {s, b - (s - a)};
-}
-
-inline TwoDoubles two_product(double a, double b) {
-  constexpr double splitter = 0x1p27 + 1;
-  const double p = a * b, as = splitter * a, bs = splitter * b;
-  const double ah = as - (as - a), bh = bs - (bs - b), al = a - ah, bl = b - bh;
-  return {p, ((ah * bh - p) + ah * bl + al * bh) + al * bl};
-}
 
 // Parts that do not overlap, the smallest first, without zeros.
 class Expansion {
