@@ -243,7 +243,7 @@ void check_fragment(const Scene& scene, const Light& light, const Shadows& shado
 
 template <class Fragments, class Corners, class State>
 std::string check_points_of(const Scene& scene, const Fragments& fragments, const Corners& corners_of, const State& lit,
-                            const Oracle& oracle, std::uint64_t seed, int count) {
+                            const Oracle& oracle, std::uint64_t seed, int count, bool contact_may_cast = false) {
   Report report;
   if (fragments.empty()) return {};
   scenes::Random random(seed);
@@ -252,6 +252,7 @@ std::string check_points_of(const Scene& scene, const Fragments& fragments, cons
     const auto corners = corners_of(k);
     const auto x = inner_point(corners, std::max(diameter(corners), 1e-3 * extent(scene, scene.facets()[fragments[k].facet])), random);
     if (!x || oracle.unsure(fragments[k].facet) || oracle.lit(fragments[k].facet, *x) == lit(k)) continue;
+    if (contact_may_cast && !lit(k) && oracle.in_contact(fragments[k].facet, *x)) continue;
     report.add(name_of(scene, fragments[k].face), ": point (", x->transpose(), ") lies in a ", lit(k) ? "lit" : "shadowed",
                " fragment, the ray says otherwise");
   }
@@ -262,7 +263,7 @@ std::string check_points_of(const Scene& scene, const Fragments& fragments, cons
 
 double polygon_area(std::span<const Vec3> corners) { return area_vector(corners).norm(); }
 
-std::string check_areas(const Scene& scene, const Shadows& shadows, const Oracle& oracle) {
+std::string check_areas(const Scene& scene, const Shadows& shadows, const Oracle& oracle, const Undecided* undecided) {
   Report report;
   if (shadows.areas.size() != scene.faces().size()) return "areas are not one for each face\n";
   for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
@@ -275,26 +276,29 @@ std::string check_areas(const Scene& scene, const Shadows& shadows, const Oracle
     }
     const double tolerance = kAreaTolerance * want.area;
     if (std::abs(got.area - want.area) > tolerance) report.add(name_of(scene, i), ": area ", got.area, ", should be ", want.area);
-    if (std::abs(got.lit - want.lit) > tolerance)
-      report.add(name_of(scene, i), ": lit area ", got.lit, ", should be ", want.lit, " of ", want.area);
+    const double slack = tolerance + (undecided ? (*undecided)[i] : 0), least = undecided ? want.least_lit : want.lit;
+    if (got.lit > want.lit + slack || got.lit < least - slack)
+      report.add(name_of(scene, i), ": lit area ", got.lit, ", should be ", want.lit, " of ", want.area, ", undecided ", slack - tolerance);
     if (std::abs(got.lit + got.shadowed - got.area) > tolerance)
       report.add(name_of(scene, i), ": lit ", got.lit, " and shadowed ", got.shadowed, " do not make ", got.area);
   }
   return report.str();
 }
 
-std::string check_same_areas(const Scene& scene, const Shadows& a, const Shadows& b, double tolerance) {
+std::string check_same_areas(const Scene& scene, const Shadows& a, const Shadows& b, double tolerance, const Undecided* undecided) {
   Report report;
   if (a.areas.size() != b.areas.size()) return "different numbers of faces\n";
   for (std::uint32_t i = 0; i < a.areas.size(); ++i) {
     const FaceArea &x = a.areas[i], &y = b.areas[i];
     if (x.facing != y.facing) report.add(name_of(scene, i), ": is ", name_of(x.facing), " and ", name_of(y.facing));
-    if (std::abs(x.lit - y.lit) > tolerance * x.area) report.add(name_of(scene, i), ": lit areas ", x.lit, " and ", y.lit, " of ", x.area);
+    const double slack = undecided ? (*undecided)[i] : 0;
+    if (std::abs(x.lit - y.lit) > tolerance * x.area + slack)
+      report.add(name_of(scene, i), ": lit areas ", x.lit, " and ", y.lit, " of ", x.area, ", undecided ", slack);
   }
   return report.str();
 }
 
-std::string check_same_regions(const Scene& scene, const Light& light, const Shadows& a, const Shadows& b) {
+std::string check_same_regions(const Scene& scene, const Light& light, const Shadows& a, const Shadows& b, const Undecided* undecided) {
   Report report;
   const std::vector<FlatFacet> of_a = by_facet(scene, a), of_b = by_facet(scene, b);
   for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
@@ -308,17 +312,19 @@ std::string check_same_regions(const Scene& scene, const Light& light, const Sha
     }
     if (differs == 0) continue;
     const double rounding = fragment_tolerance(scene, light, i, 0);
-    if (differs > kAreaTolerance * face.area + static_cast<double>(fragments) * rounding)
-      report.add(name_of(scene, i), ": lit in one and shadowed in the other on ", differs, " of ", face.area);
+    const double slack = undecided ? (*undecided)[i] : 0;
+    if (differs > kAreaTolerance * face.area + static_cast<double>(fragments) * rounding + slack)
+      report.add(name_of(scene, i), ": lit in one and shadowed in the other on ", differs, " of ", face.area, ", undecided ", slack);
   }
   return report.str();
 }
 
-std::string check_fragments(const Scene& scene, const Light& light, const Shadows& shadows, double share) {
+std::string check_fragments(const Scene& scene, const Light& light, const Shadows& shadows, double share, Form form) {
   Report report;
   if (shadows.areas.size() != scene.faces().size()) return "areas are not one for each face\n";
   std::vector<double> lit(scene.faces().size()), shadowed(lit);
-  std::vector<std::set<Bits>> corners_seen(scene.facets().size());
+  const bool by_face = form == Form::conforming;
+  std::vector<std::set<Bits>> corners_seen(by_face ? scene.faces().size() : scene.facets().size());
   std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>> ids;
   Stats sums;
   for (const Block& block : shadows.blocks) {
@@ -329,7 +335,7 @@ std::string check_fragments(const Scene& scene, const Light& light, const Shadow
       if (!report.str().empty()) continue;
       if (!ids.insert({f.id.cell, f.id.piece, f.id.place}).second) report.add(name_of(scene, f.face), ": a fragment id is not unique");
       (f.lit ? lit : shadowed)[f.face] += polygon_area(corners);
-      for (const Vec3& c : corners) corners_seen[f.facet].insert(bits(c));
+      for (const Vec3& c : corners) corners_seen[by_face ? f.face : f.facet].insert(bits(c));
       if (shadows.areas[f.face].facing == Facing::toward) ++(f.lit ? sums.lit_fragments : sums.shadowed_fragments);
     }
   }
@@ -355,7 +361,7 @@ std::string check_fragments(const Scene& scene, const Light& light, const Shadow
     for (std::uint32_t k = 0; k < face.facet_count; ++k) {
       const std::uint32_t facet = face.first_facet + k;
       for (const Corner& c : scene.corners_of(scene.facets()[facet]))
-        if (!corners_seen[facet].count(bits(scene.vertices()[c.vertex])))
+        if (!corners_seen[by_face ? i : facet].count(bits(scene.vertices()[c.vertex])))
           report.add(name_of(scene, i), ": vertex ", c.vertex, " is no corner of a fragment");
     }
   }
@@ -383,7 +389,8 @@ std::string check_fragments(const Scene& scene, const Light& light, const Shadow
   return report.str();
 }
 
-std::string check_points(const Scene& scene, const Shadows& shadows, const Oracle& oracle, std::uint64_t seed, int count) {
+std::string check_points(const Scene& scene, const Shadows& shadows, const Oracle& oracle, std::uint64_t seed, int count,
+                         bool contact_may_cast) {
   struct Where {
     std::uint32_t face, facet;
     const Block* block;
@@ -395,7 +402,7 @@ std::string check_points(const Scene& scene, const Shadows& shadows, const Oracl
       if (shadows.areas[f.face].facing == Facing::toward) all.push_back({f.face, f.facet, &block, &f});
   return check_points_of(
       scene, all, [&](std::size_t k) { return all[k].block->corners_of(*all[k].fragment); },
-      [&](std::size_t k) { return all[k].fragment->lit; }, oracle, seed, count);
+      [&](std::size_t k) { return all[k].fragment->lit; }, oracle, seed, count, contact_may_cast);
 }
 
 std::string check_points(const Scene& scene, const LightSets& sets, std::size_t light, const Oracle& oracle, std::uint64_t seed,

@@ -160,7 +160,8 @@ struct Oracle::Impl {
     const Vec3 to_light = point_light ? Vec3(light.at - p.point) : Vec3(-light.at);
     const double height = p.normal.dot(to_light);
     const double size = point_light ? s.extent + p.point.cwiseAbs().maxCoeff() : light.at.norm();
-    s.unsure = std::abs(height) <= 1e-9 * size;
+    // Of a needle a plane says little: its corners could turn it by `tilt`.
+    s.unsure = std::abs(height) <= 1e-9 * size + 4 * (p.tilt * to_light.norm() + p.flatness);
     s.facing = std::abs(height) <= 1e-14 * size ? 0 : height > 0 ? 1 : -1;
     s.normal = s.facing < 0 ? Vec3(-p.normal) : p.normal;
     if (s.facing < 0) std::reverse(s.corners.begin(), s.corners.end());
@@ -240,8 +241,8 @@ struct Oracle::Impl {
     return polygon;
   }
 
-  // The part of q's shadow that falls on f, in f's plane; empty if there is none.
-  Polygon shadow(const Seen& q, const Seen& f) const {
+  // The part of q's shadow that falls on f, in f's plane; empty if there is none. touches: it is there only if contact casts.
+  Polygon shadow(const Seen& q, const Seen& f, bool& touches) const {
     Polygon part = region(q);
     for (const Side& side : f.sides) {
       // Exactly, from the corners; side.normal is rounded.
@@ -257,7 +258,11 @@ struct Oracle::Impl {
     const auto height = [&](const K::Point_3& x) -> FT { return vector(f.normal) * (x - point(p.point)); };
     part = clip(part, height);
     const double tol = tolerance(f, q);
-    if (part.size() < 3 || std::all_of(part.begin(), part.end(), [&](const K::Point_3& x) { return height(x) <= tol; })) return {};
+    const auto within = [&](double d) {
+      return std::all_of(part.begin(), part.end(), [&](const K::Point_3& x) { return height(x) <= d; });
+    };
+    if (part.size() < 3 || within(0)) return {};
+    touches = within(tol);
     for (K::Point_3& x : part) x = project(x, p);
     return part;
   }
@@ -275,25 +280,31 @@ struct Oracle::Impl {
     return area == 0 ? Flat{} : flat;
   }
 
-  // Area and lit area of one facet.
-  std::pair<double, double> facet_areas(const Seen& f) const {
+  // Area, lit area and least lit area of one facet.
+  std::array<double, 3> facet_areas(const Seen& f) const {
     int axis = 0;
     f.normal.cwiseAbs().maxCoeff(&axis);
     const double stretch = f.normal.norm() / std::abs(f.normal[axis]);
-    std::vector<std::pair<double, Flat>> shadows;
+    std::vector<std::pair<double, Flat>> shadows, touching;
     for (const std::uint32_t q : casters) {
       if (!may_shadow(seen[q], f)) continue;
-      Flat polygon = flattened(shadow(seen[q], f), axis);
-      if (!polygon.empty()) shadows.emplace_back(CGAL::to_double(area_of(polygon)), std::move(polygon));
+      bool touches = false;
+      Flat polygon = flattened(shadow(seen[q], f, touches), axis);
+      if (!polygon.empty()) (touches ? touching : shadows).emplace_back(CGAL::to_double(area_of(polygon)), std::move(polygon));
     }
     // Large ones first: fewer parts.
     std::stable_sort(shadows.begin(), shadows.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     const Flat whole = flattened(region(f), axis);
     std::vector<Flat> lit{whole};
     for (const auto& entry : shadows) lit = without(lit, entry.second);
-    FT rest = 0;
-    for (const Flat& part : lit) rest += FT(area_of(part).exact());
-    return {CGAL::to_double(area_of(whole)) * stretch, CGAL::to_double(rest) * stretch};
+    const auto total = [stretch](const std::vector<Flat>& parts) {
+      FT sum = 0;
+      for (const Flat& part : parts) sum += FT(area_of(part).exact());
+      return CGAL::to_double(sum) * stretch;
+    };
+    std::vector<Flat> least = lit;
+    for (const auto& entry : touching) least = without(least, entry.second);
+    return {total({whole}), total(lit), total(least)};
   }
 
   static double plain_area(const Seen& f) {
@@ -313,40 +324,37 @@ struct Oracle::Impl {
       const Seen& f = seen[face.first_facet + k];
       out.unsure = out.unsure || f.unsure;
       if (f.facing > 0 || (f.facing < 0 && !closed)) {
-        const auto [whole, lit] = reached[index] % 2 ? facet_areas(f) : std::pair(0.0, 0.0);
-        out.area += whole;
-        out.lit += lit;
+        const auto [whole, lit, least] = reached[index] % 2 ? facet_areas(f) : std::array{0.0, 0.0, 0.0};
+        out.area += whole, out.lit += lit, out.least_lit += least;
         out.facing = Facing::toward;
       } else {
         out.area += plain_area(f);
       }
     }
-    if (reached[index] % 2 == 0) return {Facing::out_of_reach, face.area, 0, out.unsure};
+    if (reached[index] % 2 == 0) return {Facing::out_of_reach, face.area, 0, 0, out.unsure};
     return out;
   }
 
+  enum class Between { no, in_contact, yes };
   // Whether q has a point strictly between x and the light.
-  bool between(const Seen& q, const Seen& f, const Vec3& x) const {
+  Between between(const Seen& q, const Seen& f, const Vec3& x) const {
     for (const Side& side : q.sides) {
       const Vec3 r = x - side.base;
-      if (side.normal.dot(r) < -1e-11 * side.size * r.norm()) return false;
+      if (side.normal.dot(r) < -1e-11 * side.size * r.norm()) return Between::no;
     }
     const Plane& p = plane(q.facet);
-    if (q.normal.dot(x - p.point) >= 0.5 * tolerance(f, q)) return false;  // x is in front of q
+    if (q.normal.dot(x - p.point) >= 0.5 * tolerance(f, q)) return Between::no;  // x is in front of q
     const K::Point_3 target = point(x);
     for (std::size_t i = 0; i < q.corners.size(); ++i) {
       const K::Point_3 a = point(q.corners[i]), b = point(q.corners[(i + 1) % q.corners.size()]);
       const K::Vector_3 n = point_light ? CGAL::cross_product(b - at, a - at) : CGAL::cross_product(b - a, travel);
-      if (n * (target - (point_light ? at : a)) < 0) return false;
+      if (n * (target - (point_light ? at : a)) < 0) return Between::no;
     }
-    return vector(q.normal) * (project(target, p) - target) > 0 && !touches(q, f, target);
-  }
-
-  // Whether q is in contact with f's plane where the ray to x meets it.
-  bool touches(const Seen& q, const Seen& f, const K::Point_3& x) const {
-    const Plane& p = plane(f.facet);
-    const FT height = vector(f.normal) * (project(x, plane(q.facet)) - point(p.point));
-    return height <= tolerance(f, q);
+    if (!(vector(q.normal) * (project(target, p) - target) > 0)) return Between::no;
+    // q may be in contact with f's plane where the ray to x meets it.
+    const Plane& own = plane(f.facet);
+    const FT height = vector(f.normal) * (project(target, p) - point(own.point));
+    return height <= 0 ? Between::no : height <= tolerance(f, q) ? Between::in_contact : Between::yes;
   }
 
   bool lit(std::uint32_t facet, const Vec3& x) const {
@@ -354,9 +362,14 @@ struct Oracle::Impl {
     const Facet& own = scene.facets()[facet];
     const bool closed = scene.objects()[scene.faces()[own.face].object].sides == Sides::closed;
     if (f.facing == 0 || (closed && f.facing < 0) || reached[own.face] % 2 == 0) return false;
-    return std::none_of(casters.begin(), casters.end(), [&](std::uint32_t q) {
+    return !any_between(facet, x, Between::yes);
+  }
+
+  bool any_between(std::uint32_t facet, const Vec3& x, Between how) const {
+    const Facet& own = scene.facets()[facet];
+    return std::any_of(casters.begin(), casters.end(), [&](std::uint32_t q) {
       const bool same = scene.facets()[q].face == own.face && scene.facets()[q].plane == own.plane;
-      return !same && between(seen[q], f, x);
+      return !same && between(seen[q], seen[facet], x) == how;
     });
   }
 };
@@ -377,5 +390,7 @@ bool Oracle::unsure(std::uint32_t facet) const {
 }
 
 bool Oracle::lit(std::uint32_t facet, const Vec3& x) const { return impl_->lit(facet, x); }
+
+bool Oracle::in_contact(std::uint32_t facet, const Vec3& x) const { return impl_->any_between(facet, x, Impl::Between::in_contact); }
 
 }  // namespace shadowcut::testing

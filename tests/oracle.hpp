@@ -9,7 +9,8 @@
 // Contact. Planes are given by rounded normals, so two tiles that lie in one plane by intention are some ulps apart over their whole
 // area, and "strictly between" decided exactly would shadow one of them. A part of a caster whose corners all lie within
 // `contact_tolerance` (a share of the largest coordinate at hand, 1e-12) of the receiver's plane counts as touching it. A caster that
-// leaves the plane at an angle is not affected: only slivers are lost, below 1e-12.
+// leaves the plane at an angle is not affected: only slivers are lost, below 1e-12. Area::least_lit and in_contact() say what it would be
+// if what is that near, and not exactly in the plane, cast after all: an engine that sees the gap is not wrong.
 //
 // Facets of one face that lie in one plane do not shadow each other; those of a face that was not flat lie in several planes, and do.
 #pragma once
@@ -32,8 +33,10 @@ class Oracle {
 
   struct Area {
     Facing facing = Facing::refused;
-    double area = 0, lit = 0;
-    bool unsure = false;  // light within 1e-9 of the plane, or reach within 1e-9 of the limit: facing may be decided either way
+    double area = 0, lit = 0, least_lit = 0;
+    // The light is within 1e-9 of the plane, or within what its corners could turn it by (Plane::tilt), or the reach within 1e-9 of the
+    // limit: facing may be decided either way.
+    bool unsure = false;
   };
   Area area(std::uint32_t face) const;
   std::vector<Area> areas() const;  // of all faces
@@ -41,6 +44,8 @@ class Oracle {
   // Whether x, a point of `facet` up to rounding, is reached by the light.
   bool lit(std::uint32_t facet, const Vec3& x) const;
   bool unsure(std::uint32_t facet) const;  // see Area::unsure
+  // Whether something between x and the light counts as touching the facet, and is not exactly in its plane.
+  bool in_contact(std::uint32_t facet, const Vec3& x) const;
 
  private:
   struct Impl;

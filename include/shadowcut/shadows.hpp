@@ -226,6 +226,12 @@ class Engine {
   // Null when there is no such fragment (now). Cost: constant with Options::edits, otherwise in proportion to its block.
   const Fragment* find(std::size_t light, FragmentId id) const;
 
+  // By index into scene().faces(): a bound of the area that is lit and was handed out as shadowed, or the reverse, because the kernel took
+  // signs as zero that need not be; and of what rounding made of the areas. The true error is never more (to first order; docs/design.md,
+  // section 3, says what is counted). The exact kernel leaves nothing undecided. Cost: about that of handing out all fragments.
+  // Throws Error as shadows() does.
+  std::vector<double> undecided(std::size_t light) const;
+
   // One partition for all lights (CS95, section 4: a second light's input is the first one's output).
   LightSets combined() const;
 

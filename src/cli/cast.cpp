@@ -1,5 +1,6 @@
 // The command cast: scene and lights in, fragments and figures out.
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "commands.hpp"
 #include "inputs.hpp"
@@ -40,12 +41,14 @@ Engine build(const Scene& scene, const CastArguments& a, ProgressBar& bar) {
 
 ordered_json summary_of(const Engine& engine, std::size_t k, const NamedLight& light) {
   const Stats& s = engine.shadows(k).stats;
+  const std::vector<double> undecided = engine.undecided(k);
   ordered_json entry{{"light", light.spec},
                      {"faces", s.faces},
                      {"facing_faces", s.facing_faces},
                      {"facing_area", s.facing_area},
                      {"lit_area", s.lit_area},
                      {"shadowed_area", s.shadowed_area},
+                     {"undecided_area", std::accumulate(undecided.begin(), undecided.end(), 0.0)},
                      {"lit_fragments", s.lit_fragments},
                      {"shadowed_fragments", s.shadowed_fragments},
                      {"tree_nodes", s.nodes},

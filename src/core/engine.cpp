@@ -273,6 +273,11 @@ const Shadows& Engine::shadows(std::size_t light) const { return impl_->tracked(
 
 const Fragment* Engine::find(std::size_t light, FragmentId id) const { return impl_->tracked(light).tree->find(id); }
 
+std::vector<double> Engine::undecided(std::size_t light) const {
+  const LightTree& tree = *impl_->tracked(light).tree;
+  return impl_->arena.execute([&] { return tree.undecided(); });
+}
+
 LightSets Engine::combined() const {
   impl_->require_whole();
   std::vector<const LightTree*> trees;

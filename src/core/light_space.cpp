@@ -127,6 +127,28 @@ PlaneRay LightSpace::plane(const Plane& p) const {
   return out;
 }
 
+Vec3 LightSpace::covector(const Plane& p) const {
+  const Vec3& m = p.normal;
+  if (!far_) return m;
+  return Vec3(m[axis_[0]], m[axis_[1]], -m.dot(p.point - center_) * inverse_scale_).normalized();
+}
+
+// Near: a ray at distance D that turns by e moves the point by D e across itself, and by that over the sine of its angle with the plane,
+// which is |m.(p - C)| / D, along the plane. Far: across, by the ray's length times the scale; then along the light's direction, which has
+// no component above 1.2 where the third is 1, until the plane is met.
+double LightSpace::spread(const Vec3& x, const Plane& p) const {
+  if (!far_) return (x - center_).squaredNorm() / std::abs(p.normal.dot(p.point - center_));
+  double unused_error, unused_tilt;
+  const double k = std::abs(awayness(p, unused_error, unused_tilt));
+  return 1.2 * scale_ * raw_ray(x).r.norm() * (1 + 2 / k);
+}
+
+double LightSpace::slide(const Vec3& x, const Plane& p) const {
+  if (!far_) return (x - center_).norm() / std::abs(p.normal.dot(p.point - center_));
+  double unused_error, unused_tilt;
+  return 2.1 / std::abs(awayness(p, unused_error, unused_tilt));  // the length of what has no component above 1.2
+}
+
 std::pair<Vec3, Vec3> LightSpace::span(const double n_[3]) const {
   const Vec3 n(n_);
   // Short numbers: sums and products of them stay exact for longer.

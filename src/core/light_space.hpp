@@ -15,6 +15,7 @@
 // two sums lose at most 3u |n| |r|; the fourth u pays for second-order terms and for the unit lengths' own rounding.)
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <shadowcut/scene.hpp>
 #include <vector>
@@ -60,6 +61,22 @@ class LightSpace {
             const Vec3& b) const;  // through the edge a -> b: positive on the left as the light sees it, or its mirror image; a, b unset
   PlaneRay plane(const Plane& p) const;  // only for planes not seen edge-on
   Turned turned(const Plane& p) const;
+  // The plane's direction as a covector of length one: of q, but also where the plane is seen edge-on and has none.
+  Vec3 covector(const Plane& p) const;
+  // What linear functions of r have to be divided by to be linear on the plane q, where r meets it.
+  double weight(const double r[3], const double q[3]) const {
+    const double h = q[0] * r[0] + q[1] * r[1] + q[2] * r[2];
+    return far_ ? r[2] + sign_ * scale_ * h * inverse_depth_ : h;
+  }
+  // How far, to first order, the point back(r, q) moves along its ray when q moves by 1.
+  double pull(const double r[3], const double q[3]) const {
+    const double w = std::abs(weight(r, q)), length = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+    return far_ ? 2 * scale_ * length / w : scale_ * length * length / (w * w);
+  }
+  // How far x, on the plane p, moves in that plane at most, to first order, when its ray, of length one, moves by 1.
+  double spread(const Vec3& x, const Plane& p) const;
+  // How far it is at most from x, off the plane by 1, to where the ray of x meets the plane.
+  double slide(const Vec3& x, const Plane& p) const;
   // The point where the ray r meets the plane q.
   Vec3 back(const double r[3], const double q[3]) const {
     const double h = q[0] * r[0] + q[1] * r[1] + q[2] * r[2];

@@ -76,7 +76,7 @@ void LightTree::build_all() {
   refer_to_scene();
   if (is_exact()) {
     tables_.exact = std::make_unique<ExactLight>(light_, space_);
-    for (const Object& object : scene_.objects()) note_for_exact(object);
+    for (const Object& object : scene_.objects()) note_for_exact(object, *tables_.exact);
   }
   face_the_light();
   fill_tables();
@@ -197,10 +197,10 @@ void LightTree::fill_tables() {
 
 // The exact kernel.
 
-void LightTree::note_for_exact(const Object& object) {
-  for (const Vec3& v : scene_.vertices().subspan(object.first_vertex, object.vertex_count)) tables_.exact->note_position(v);
+void LightTree::note_for_exact(const Object& object, ExactLight& exact) const {
+  for (const Vec3& v : scene_.vertices().subspan(object.first_vertex, object.vertex_count)) exact.note_position(v);
   for (const Facet& f : scene_.facets().subspan(object.first_facet, object.facet_count)) {
-    if (f.corner_count != 0) tables_.exact->note_normal(scene_.planes()[f.plane].exact_normal);
+    if (f.corner_count != 0) exact.note_normal(scene_.planes()[f.plane].exact_normal);
   }
 }
 

@@ -76,6 +76,9 @@ class LightTree {
 
   const Fragment* find(FragmentId id) const;
 
+  // Of every face, how much could be in another state; see Engine::undecided. (undecided.cpp)
+  std::vector<double> undecided() const;
+
  private:
   struct LineBlock {             // line ids of one object's edges, at one of its poses
     std::uint32_t first, count;  // ids
@@ -133,7 +136,7 @@ class LightTree {
   std::vector<std::uint32_t> by_object(std::span<const std::uint32_t> objects, const std::function<double(std::uint32_t)>& size_of) const;
   std::vector<std::uint32_t> insertion_order(std::vector<Vec3>& centers) const;
   Cone* cone_of_facet(std::uint32_t facet, ConePool& pool) const;
-  void note_for_exact(const Object& object);
+  void note_for_exact(const Object& object, ExactLight& exact) const;
   void span_prefix();
   void face_exactly();
   void face_exactly(std::uint32_t facet);
@@ -170,6 +173,11 @@ class LightTree {
   void add_sums(const CellSums& sums, bool more);
 
   std::string validate_books() const;
+  double most_area(std::uint32_t facet, const ExactLight& exact) const;
+  double thickness_of(std::uint32_t facet) const;
+  bool may_be_convex(const Cone& cone) const;
+  double thickness_left_out(const ExactLight& exact, std::vector<double>& undecided) const;
+  double doubt_of_outline(std::uint32_t facet, double thickness) const;
 
   // light_tree_edit.cpp
   void start_edits();

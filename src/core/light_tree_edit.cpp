@@ -370,7 +370,7 @@ void LightTree::grow() {
 // Everything about an object that does not depend on other objects.
 void LightTree::face_object(std::uint32_t o) {
   const Object& object = scene_.objects()[o];
-  if (is_exact()) note_for_exact(object);
+  if (is_exact()) note_for_exact(object, *tables_.exact);
   const bool light_inside = holds_light(object);
   bool any = false;
   for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {

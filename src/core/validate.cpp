@@ -11,6 +11,10 @@ std::string say(const char* what, std::size_t which) { return std::string(what) 
 
 double bound_for(float n_error, float cone_error) { return static_cast<double>(n_error) + static_cast<double>(cone_error) + sign_slack; }
 
+// A piece may have been cut further since it passed a node. Then its corners lie in what passed, but are other numbers: of a true corner
+// the node's function was no more than twice the bound on the wrong side, and a number made later differs from that by the bound once more.
+constexpr double since_cut = 3;
+
 }  // namespace
 
 std::string CellTree::validate() const {
@@ -88,11 +92,11 @@ std::string CellTree::validate() const {
         // 4. What stands in the front subtree of a PP-node is nowhere certainly behind its plane.
         const PlaneRay& own = tables_->planes[tables_->facets[piece.facet].plane];
         const PlaneDifference nearer(own, node.n, node.error);
-        if (Signs(*cone, nearer.d, nearer.bound(*cone), spill).negative()) return say("a piece in front of a PP-node reaches behind it", p);
+        if (Signs(*cone, nearer.d, since_cut * nearer.bound(*cone), spill).negative()) return say("a piece in front of a PP-node reaches behind it", p);
         continue;
       }
       // 5. A piece lies on its cell's side of every SP-node above it.
-      const Signs signs(*cone, node.n, bound_for(node.error, cone->error), spill);
+      const Signs signs(*cone, node.n, since_cut * bound_for(node.error, cone->error), spill);
       const int wrong = place & 1 ? 1 : -1;
       for (std::uint32_t i = 0; i < cone->count; ++i) {
         if (signs[i] == wrong) return say("a piece reaches out of its cell", p);
