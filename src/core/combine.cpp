@@ -1,7 +1,6 @@
-// A fragment is asked of a finished tree as a face that neither casts nor stays: it is filtered down, and where it comes out in front of
-// everything it is lit. Parts that come back in the same state are reunited (Slater 1992, figure 6).
-
-#include "combine.hpp"
+// Several lights: one partition for all of them (CS95, section 4). A fragment is asked of a finished tree as a face that neither casts nor
+// stays: it is filtered down, and where it comes out in front of everything it is lit. Parts that come back in the same state are reunited
+// (Slater 1992, figure 6).
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -10,7 +9,9 @@
 #include <algorithm>
 #include <optional>
 
-namespace shadowcut {
+#include "light_tree.hpp"
+
+namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 struct Answer {
@@ -65,9 +66,9 @@ class Query {
     for (std::size_t i = 0; i < polygon.size(); ++i) {
       const Vec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
       if (a == b) continue;
-      const Line l = light_.space().line(a, b);
+      const Line l = rounded(light_.space().line(a, b));
       if (!std::isfinite(l.n[0]) || !std::isfinite(l.n[1]) || !std::isfinite(l.n[2])) continue;
-      const VertexRay ray = light_.space().ray(a);
+      const VertexRay ray = rounded(light_.space().ray(a));
       const EdgeRef edge(add_line(l), false);
       cone->corners()[cone->count++] = {{ray.r[0], ray.r[1], ray.r[2]}, edge, static_cast<std::uint32_t>(i)};
       cone->error = std::max(cone->error, ray.error);
@@ -224,7 +225,9 @@ void cut_by(const LightTree& light, std::size_t number, const Partition& in, std
 
 }  // namespace
 
-LightSets combine(const std::vector<const LightTree*>& lights) {
+LightSets combine(const std::vector<const LightShadows*>& all) {
+  std::vector<const LightTree*> lights;
+  for (const LightShadows* light : all) lights.push_back(static_cast<const LightTree*>(light));
   const auto first = std::find_if(lights.begin(), lights.end(), [](const LightTree* t) { return t != nullptr; });
   if (first == lights.end()) return {};
   const auto first_number = static_cast<std::size_t>(first - lights.begin());
@@ -252,4 +255,4 @@ LightSets combine(const std::vector<const LightTree*>& lights) {
   return std::move(partition.sets);
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

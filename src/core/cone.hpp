@@ -17,10 +17,10 @@
 #include <emmintrin.h>
 #endif
 
-#include "light_space.hpp"
+#include "tree_numbers.hpp"
 #include "two_doubles.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 
 // A line as the edge of a cone: which line, which side of it is inside, and whether something above in the tree already bounds the cell
 // there.
@@ -39,11 +39,11 @@ class EdgeRef {
 static_assert(sizeof(EdgeRef) == 4);
 
 struct ConeCorner {
-  double r[3];
+  Real r[3];
   EdgeRef edge;          // that leaves this corner
   std::uint32_t vertex;  // index into Scene::vertices() when the corner is that vertex, else none
 };
-static_assert(sizeof(ConeCorner) == 32);
+static_assert(sizeof(ConeCorner) == 3 * sizeof(Real) + 8);
 
 // The edge that comes to corner i.
 inline EdgeRef incoming(std::span<const ConeCorner> cone, std::size_t i) { return cone[i == 0 ? cone.size() - 1 : i - 1].edge; }
@@ -128,13 +128,13 @@ class Signs {
  public:
   // Tests all corners of c against n. bound: |n.r| up to which a sign is not certain. `spill` holds the signs of more than 64 corners, and
   // must outlive this.
-  Signs(Cone& c, const double n[3], double bound, std::vector<std::int8_t>& spill) : count_(c.count) {
+  Signs(Cone& c, const Real n[3], double bound, std::vector<std::int8_t>& spill) : count_(c.count) {
     if (count_ > 64) {
       test_large(c, n, bound, spill);
       return;
     }
     ConeCorner* k = c.corners();
-#if defined(__SSE2__)
+#if defined(__SSE2__) && !defined(SHADOWCUT_SINGLE)
     k[count_] = k[0];  // an odd one out is tested with this; capacity is even
     const __m128d xy = _mm_loadu_pd(n), z = _mm_set1_pd(n[2]), hi = _mm_set1_pd(bound), lo = _mm_set1_pd(-bound);
     for (std::uint32_t i = 0; i < count_; i += 2) {
@@ -147,7 +147,7 @@ class Signs {
     positive_ &= all(), negative_ &= all();
 #else
     for (std::uint32_t i = 0; i < count_; ++i) {
-      const double s = n[0] * k[i].r[0] + n[1] * k[i].r[1] + n[2] * k[i].r[2];
+      const Real s = n[0] * k[i].r[0] + n[1] * k[i].r[1] + n[2] * k[i].r[2];
       positive_ |= std::uint64_t{s > bound} << i, negative_ |= std::uint64_t{s < -bound} << i;
     }
 #endif
@@ -218,12 +218,12 @@ class Signs {
  private:
   std::uint64_t all() const { return ~std::uint64_t{0} >> (64 - count_); }
 
-  void test_large(const Cone& c, const double n[3], double bound, std::vector<std::int8_t>& spill) {
+  void test_large(const Cone& c, const Real n[3], double bound, std::vector<std::int8_t>& spill) {
     spill.resize(count_);
     large_ = spill.data();
     for (std::uint32_t i = 0; i < count_; ++i) {
-      const double* r = c.corners()[i].r;
-      const double s = n[0] * r[0] + n[1] * r[1] + n[2] * r[2];
+      const Real* r = c.corners()[i].r;
+      const Real s = n[0] * r[0] + n[1] * r[1] + n[2] * r[2];
       spill[i] = static_cast<std::int8_t>(s > bound ? 1 : s < -bound ? -1 : 0);
       positive_ |= s > bound, negative_ |= s < -bound;
     }
@@ -243,7 +243,13 @@ inline double difference_of_products(double a, double b, double c, double d) {
 
 // The cross product of two unit lines. Where they are nearly parallel the plain product loses the digits that say where along them they
 // meet; the corner would then lie beside both, and the areas on the two sides of a T-junction would no longer add up.
-inline void cross(const double a[3], const double b[3], double out[3]) {
+inline void cross(const Real a[3], const Real b[3], Real out[3]) {
+#if defined(SHADOWCUT_SINGLE)
+  const auto minor = [](float p, float q, float r, float s) {  // products of floats are exact in double
+    return static_cast<float>(static_cast<double>(p) * static_cast<double>(q) - static_cast<double>(r) * static_cast<double>(s));
+  };
+  out[0] = minor(a[1], b[2], a[2], b[1]), out[1] = minor(a[2], b[0], a[0], b[2]), out[2] = minor(a[0], b[1], a[1], b[0]);
+#else
   out[0] = a[1] * b[2] - a[2] * b[1];
   out[1] = a[2] * b[0] - a[0] * b[2];
   out[2] = a[0] * b[1] - a[1] * b[0];
@@ -251,6 +257,7 @@ inline void cross(const double a[3], const double b[3], double out[3]) {
   out[0] = difference_of_products(a[1], b[2], a[2], b[1]);
   out[1] = difference_of_products(a[2], b[0], a[0], b[2]);
   out[2] = difference_of_products(a[0], b[1], a[1], b[0]);
+#endif
 }
 
 // Cuts a cone that has corners on both sides of a line. The corners between which the sign changes for certain get a new corner; a corner
@@ -258,7 +265,7 @@ inline void cross(const double a[3], const double b[3], double out[3]) {
 // edges that share a vertex meet in that vertex's ray, and get its numbers: every such corner is the same to the bit, whichever of the
 // vertex's edges cut it out. `bounded`: whether a node of the tree stands on the cut.
 template <class Lines>
-void split(const Cone& c, const Signs& signs, const double m[3], float m_error, std::uint32_t cut, bool bounded, const Lines& lines,
+void split(const Cone& c, const Signs& signs, const Real m[3], float m_error, std::uint32_t cut, bool bounded, const Lines& lines,
            ConePool& pool, Cone*& positive, Cone*& negative) {
   const std::uint32_t n = c.count;
   const ConeCorner* const k = c.corners();
@@ -272,7 +279,7 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
   const std::span<const VertexRay> rays = lines.rays();
   const Line& mine = lines(cut);
   // Below which square of its length a cross product is too short against its own error.
-  const double too_short = lines.is_exact() ? 0x1p-24 : 0x1p-40;
+  const double too_short = lines.is_exact() ? 0x1p-24 : sizeof(Real) == sizeof(float) ? 0x1p-16 : 0x1p-40;
   // Where the edge leaving the corner meets the line, with that edge for its own; the edge is followed by the cut on its positive side when
   // it goes down, and follows it when it comes up. The product changes sign, and nothing else, with the order: both sides of a cut get the
   // same numbers.
@@ -283,16 +290,16 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
     p.vertex = none;
     if (const std::uint32_t shared = shared_vertex(l, mine); shared != none) {
       // The planes meet in that ray and in its opposite; the crossing lies between the edge's ends.
-      const double *r = rays[shared].r, *from = k[change.corner].r, *to = k[next(change.corner)].r;
-      const auto dot = [](const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+      const Real *r = rays[shared].r, *from = k[change.corner].r, *to = k[next(change.corner)].r;
+      const auto dot = [](const Real* a, const Real* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
       const bool opposite = lines.is_exact() ? lines.ahead(c.facet, shared) < 0
                                              : dot(r, from) * std::abs(dot(m, to)) + dot(r, to) * std::abs(dot(m, from)) < 0;
-      const double s = opposite ? -1.0 : 1.0;
+      const Real s = opposite ? -1 : 1;
       for (int i = 0; i < 3; ++i) p.r[i] = s * r[i];
       error = std::max(error, rays[shared].error);
       return p;
     }
-    const double s = p.edge.negative() == downward ? -1.0 : 1.0;
+    const Real s = p.edge.negative() == downward ? -1 : 1;
     cross(l.n, m, p.r);
     if (!(p.r[0] * p.r[0] + p.r[1] * p.r[1] + p.r[2] * p.r[2] >= too_short)) {
       if (lines.is_exact()) {
@@ -304,14 +311,14 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
       }
       // Nearly one line: the product is hardly longer than its own error, and says little. The point between the edge's ends where the
       // line's test vanishes is as good a crossing as there is, lies on both, and is as certain as those ends.
-      const double *from = k[change.corner].r, *to = k[next(change.corner)].r;
-      const double at_from = std::abs(m[0] * from[0] + m[1] * from[1] + m[2] * from[2]),
-                   at_to = std::abs(m[0] * to[0] + m[1] * to[1] + m[2] * to[2]);
+      const Real *from = k[change.corner].r, *to = k[next(change.corner)].r;
+      const Real at_from = std::abs(m[0] * from[0] + m[1] * from[1] + m[2] * from[2]),
+                 at_to = std::abs(m[0] * to[0] + m[1] * to[1] + m[2] * to[2]);
       for (int i = 0; i < 3; ++i) p.r[i] = (from[i] * at_to + to[i] * at_from) / (at_from + at_to);
       error = std::max(error, (c.error + m_error + static_cast<float>(corner_slack)) * (1 + 0x1p-22f));
       return p;
     }
-    for (double& c : p.r) c *= s;
+    for (Real& c : p.r) c *= s;
     error = std::max(error, (l.error + m_error + static_cast<float>(corner_slack)) * (1 + 0x1p-22f));
     return p;
   };
@@ -340,20 +347,20 @@ void split(const Cone& c, const Signs& signs, const double m[3], float m_error, 
 
 // The plane of one face against another's: d.r > 0 for rays along which `own` is nearer to the light. Not for one plane and itself.
 struct PlaneDifference {
-  double d[3];
+  Real d[3];
   double size, error;  // |d|, about; absolute, of d
 
-  PlaneDifference(const PlaneRay& own, const double q[3], float q_error) : d{own.q[0] - q[0], own.q[1] - q[1], own.q[2] - q[2]} {
+  PlaneDifference(const PlaneRay& own, const Real q[3], float q_error) : d{own.q[0] - q[0], own.q[1] - q[1], own.q[2] - q[2]} {
     size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
-    error = static_cast<double>(own.error) + static_cast<double>(q_error) + 2 * unit_roundoff * size;
+    error = static_cast<double>(own.error) + static_cast<double>(q_error) + 2 * roundoff * size;
   }
   // Up to which |d.r| a sign is not certain.
   double bound(const Cone& cone) const { return error + size * (static_cast<double>(cone.error) + sign_slack); }
   // d.r = 0 as a line: where the two planes cross.
   Line line() const {
-    const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    const Real length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     return {{d[0] / length, d[1] / length, d[2] / length},
-            std::nextafter(static_cast<float>(error / length + 2 * unit_roundoff), INFINITY),
+            std::nextafter(static_cast<float>(error / length + 2 * roundoff), INFINITY),
             none,
             none};
   }
@@ -362,9 +369,9 @@ struct PlaneDifference {
 // Whether the inside of an edge and one side of a node's line (0 positive, 1 negative) are the same half of light space, up to the errors
 // of both. Two ends on the line do not make it so: those of a sliver lie on every line that passes near. Nor do errors so large that the
 // two may part visibly elsewhere.
-inline bool same_half(EdgeRef edge, const Line& own, const double m[3], float m_error, std::uint32_t side) {
-  constexpr float largest_error = 0x1p-44f;
-  const double s = edge.negative() == (side == 1) ? 1.0 : -1.0;
+inline bool same_half(EdgeRef edge, const Line& own, const Real m[3], float m_error, std::uint32_t side) {
+  constexpr float largest_error = static_cast<float>(512 * roundoff);
+  const Real s = edge.negative() == (side == 1) ? 1 : -1;
   const double apart = std::abs(own.n[0] - s * m[0]) + std::abs(own.n[1] - s * m[1]) + std::abs(own.n[2] - s * m[2]);
   return own.error <= largest_error && apart <= 4 * (static_cast<double>(own.error) + static_cast<double>(m_error) + sign_slack);
 }
@@ -374,7 +381,7 @@ inline bool same_half(EdgeRef edge, const Line& own, const double m[3], float m_
 // positive side. bounds(edge): whether the node serves an edge that lies on it as the cell's end there; such an edge needs no node of its
 // own.
 template <class Lines, class Bounds>
-std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t line, const Lines& lines, const Bounds& bounds,
+std::uint32_t sift(Cone*& cone, const Real m[3], float m_error, std::uint32_t line, const Lines& lines, const Bounds& bounds,
                    ConePool& pool, std::vector<std::int8_t>& spill, Cone*& cut_off, SignCounts& counts) {
   cut_off = nullptr;
   Signs signs(*cone, m, static_cast<double>(m_error) + static_cast<double>(cone->error) + sign_slack, spill);
@@ -399,4 +406,4 @@ std::uint32_t sift(Cone*& cone, const double m[3], float m_error, std::uint32_t 
   return side;
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 struct FragmentRef {
@@ -186,4 +186,4 @@ void make_conforming(const Scene& scene, std::vector<CellOutput>& outputs) {
   });
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

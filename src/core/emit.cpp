@@ -9,9 +9,10 @@
 #include <numeric>
 #include <tuple>
 
+#include "smallest_feature.hpp"
 #include "unite.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 // The area of a polygon handed over corner by corner, as its part along the plane's normal: linear in the corners, so the areas of parts
@@ -142,10 +143,14 @@ class CellEmitter {
         const Node& node = nodes_[here.node()];
         Cone* cut_off;
         place = here.node() * 2 + sift(cone, node.n, node.error, node.id, lines_, any, w_.pool, w_.spill, cut_off, counts);
-        if (cut_off) {
-          cut_off->at = here.node() * 2 + 1;
-          w_.pending.push_back(cut_off);
+        if (!cut_off) continue;
+        if (Cone* lost = too_small(target_.tables, cone, cut_off)) {
+          if (lost == cone) cone = cut_off, place = here.node() * 2 + 1;
+          w_.pool.give_back(lost);
+          continue;
         }
+        cut_off->at = here.node() * 2 + 1;
+        w_.pending.push_back(cut_off);
       }
       hold(cone->facet, cone->span(), piece, place, state);
       w_.pool.give_back(cone);
@@ -244,7 +249,7 @@ double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t
                      PointCache& points, Vec3* out) {
   const Facet& facet = target.scene.facets()[facet_id];
   const Plane& plane = target.scene.planes()[facet.plane];
-  const double* q = target.tables.planes[facet.plane].q;
+  const Real* q = target.tables.planes[facet.plane].q;
   const auto count = static_cast<std::uint32_t>(cone.size());
   const bool reversed = target.space.handedness() < 0;
   // A corner where two edges of one of the facet's own vertices meet is that vertex.
@@ -303,4 +308,4 @@ void emit_cell(const CellTree& tree, std::uint32_t cell, bool merge, const EmitT
   CellEmitter(tree, cell, merge, target, w, out).run();
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

@@ -6,7 +6,7 @@
 
 #include "tree.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 
 // A block with what later stages need of each corner and fragment.
 struct CellOutput {
@@ -76,4 +76,4 @@ double area_of_facet(const EmitTarget& target, std::uint32_t facet, bool in_ligh
 // All fragments of one cell. `merge`: siblings that are both lit, or shadowed by one object, are handed out as one.
 void emit_cell(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target, Workspace& w, CellOutput& out);
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

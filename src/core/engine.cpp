@@ -7,8 +7,7 @@
 #include <algorithm>
 #include <shadowcut/shadows.hpp>
 
-#include "combine.hpp"
-#include "light_tree.hpp"
+#include "light_shadows.hpp"
 
 namespace shadowcut {
 namespace {
@@ -19,19 +18,32 @@ int threads_of(const Options& options) {
   return options.threads == 0 || options.threads > static_cast<unsigned>(most) ? most : static_cast<int>(options.threads);
 }
 
+std::unique_ptr<LightShadows> make(const Scene& scene, const Light& light, const Options& options) {
+  return (options.kernel == Kernel::single ? single_numbers::make_light_shadows : double_numbers::make_light_shadows)(scene, light,
+                                                                                                                      options);
+}
+
+void check(const Options& options, const Light& light) {
+  const MinFeature& least = options.min_feature;
+  if (!(least.area >= 0) || !(least.solid_angle >= 0)) throw Error("the smallest feature must not be negative");
+  if (least.solid_angle > 0 && light.kind == Light::Kind::directional)
+    throw Error("a directional light sees nothing under a solid angle: give the smallest feature as an area");
+}
+
 }  // namespace
 
 Shadows cast_shadows(const Scene& scene, const Light& light, const Options& options) {
   check(light, "light");
+  check(options, light);
   Options once = options;
   once.edits = false;
   tbb::task_arena arena(threads_of(options));
-  return arena.execute([&] { return LightTree(scene, light, once).take_shadows(); });
+  return arena.execute([&] { return make(scene, light, once)->take_shadows(); });
 }
 
 struct Engine::Impl {
   struct Tracked {
-    std::unique_ptr<LightTree> tree;  // null: no such light (now)
+    std::unique_ptr<LightShadows> tree;  // null: no such light (now)
     std::uint64_t revision = 0;
   };
 
@@ -76,10 +88,11 @@ struct Engine::Impl {
     t.revision = wanted.light_revision(light);
     ++changes.applied;
     const bool alive = wanted.light_id(light).index != none;
+    if (alive) check(options, wanted.lights()[light]);
     if (alive && t.tree) {
       t.tree->rebuild(wanted.lights()[light]);
     } else if (alive) {
-      t.tree = std::make_unique<LightTree>(applied, wanted.lights()[light], options);
+      t.tree = make(applied, wanted.lights()[light], options);
     } else if (t.tree) {
       LightChanges c;
       t.tree->rebuild_to_nothing(c);
@@ -242,9 +255,9 @@ struct Engine::Impl {
         if (lights[k].tree && !(but_stale && is_stale(k))) edit(*lights[k].tree);
       }
     };
-    for_trees([&](LightTree& tree) { tree.remove_objects(objects); });
+    for_trees([&](LightShadows& tree) { tree.remove_objects(objects); });
     applied.copy_objects(wanted, objects);
-    for_trees([&](LightTree& tree) { tree.insert_objects(objects); });
+    for_trees([&](LightShadows& tree) { tree.insert_objects(objects); });
     changes.applied += static_cast<std::uint32_t>(objects.size());
   }
 };
@@ -274,14 +287,15 @@ const Shadows& Engine::shadows(std::size_t light) const { return impl_->tracked(
 const Fragment* Engine::find(std::size_t light, FragmentId id) const { return impl_->tracked(light).tree->find(id); }
 
 std::vector<double> Engine::undecided(std::size_t light) const {
-  const LightTree& tree = *impl_->tracked(light).tree;
+  const LightShadows& tree = *impl_->tracked(light).tree;
   return impl_->arena.execute([&] { return tree.undecided(); });
 }
 
 LightSets Engine::combined() const {
   impl_->require_whole();
-  std::vector<const LightTree*> trees;
+  std::vector<const LightShadows*> trees;
   for (const Impl::Tracked& t : impl_->lights) trees.push_back(t.tree.get());
+  const auto combine = impl_->options.kernel == Kernel::single ? single_numbers::combine : double_numbers::combine;
   return impl_->arena.execute([&] { return combine(trees); });
 }
 

@@ -149,8 +149,7 @@ double LightSpace::slide(const Vec3& x, const Plane& p) const {
   return 2.1 / std::abs(awayness(p, unused_error, unused_tilt));  // the length of what has no component above 1.2
 }
 
-std::pair<Vec3, Vec3> LightSpace::span(const double n_[3]) const {
-  const Vec3 n(n_);
+std::pair<Vec3, Vec3> LightSpace::span(const Vec3& n) const {
   // Short numbers: sums and products of them stay exact for longer.
   const auto shortened = [this](const Vec3& x) {
     return Vec3(x.unaryExpr([this](double c) { return std::nearbyint(c * inverse_scale_ * 0x1p24) * (scale_ * 0x1p-24); }));
@@ -162,14 +161,11 @@ std::pair<Vec3, Vec3> LightSpace::span(const double n_[3]) const {
   // Where the line crosses the plane through the centre that the frame's axis stands on: r = (foot + t along, 1).
   const double length = n[0] * n[0] + n[1] * n[1];
   const double foot[2] = {-n[2] * n[0] / length, -n[2] * n[1] / length}, along[2] = {n[1] / std::sqrt(length), -n[0] / std::sqrt(length)};
-  const auto at = [&](double t) {
-    const double r[3] = {foot[0] + t * along[0], foot[1] + t * along[1], 1};
-    return shortened(back_from_far(r, 0));
-  };
+  const auto at = [&](double t) { return shortened(back_from_far({foot[0] + t * along[0], foot[1] + t * along[1], 1}, 0)); };
   return {at(0), at(1)};
 }
 
-Vec3 LightSpace::back_from_far(const double r[3], double h) const {
+Vec3 LightSpace::back_from_far(const Vec3& r, double h) const {
   const double z = -sign_ * scale_ * h;
   const double w = r[2] - z * inverse_depth_;
   Vec3 x;

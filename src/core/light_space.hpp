@@ -13,6 +13,8 @@
 // on the distance from the true unit vector (up to a positive factor). A corner cut from two lines is their cross product as it is:
 // length <= 1, error <= err1 + err2 + 3u. So a sign test n.r is decided when |n.r| > err(n) + err(r) + 4u. (|r| <= 1; three products and
 // two sums lose at most 3u |n| |r|; the fourth u pays for second-order terms and for the unit lengths' own rounding.)
+//
+// The light space itself is always reckoned in double; the tree's numbers may be floats (tree_numbers.hpp).
 #pragma once
 
 #include <cmath>
@@ -23,30 +25,36 @@
 namespace shadowcut {
 
 inline constexpr double unit_roundoff = 0x1p-53;
-inline constexpr double sign_slack = 4 * unit_roundoff;    // of one dot product of unit vectors
-inline constexpr double corner_slack = 3 * unit_roundoff;  // of one cross product of unit vectors
 
-struct Line {  // a plane through the light; as seen from the light, a line
-  double n[3];
+template <class Real>
+struct LineOf {  // a plane through the light; as seen from the light, a line
+  Real n[3];
   float error;
   std::uint32_t a = none, b = none;  // the vertices whose rays lie on it, where it is an edge's
 };
 
 // The vertex in whose ray two edges' lines meet; none if they have none in common.
-inline std::uint32_t shared_vertex(const Line& l, const Line& m) {
+template <class Real>
+std::uint32_t shared_vertex(const LineOf<Real>& l, const LineOf<Real>& m) {
   if (l.a == none || m.a == none) return none;
   return l.a == m.a || l.a == m.b ? l.a : l.b == m.a || l.b == m.b ? l.b : none;
 }
 
-struct PlaneRay {  // a face's plane in light space
-  double q[3];
+template <class Real>
+struct PlaneRayOf {  // a face's plane in light space
+  Real q[3];
   float error;  // absolute, of q, with the plane's own flatness: nearer together than the input is flat counts as touching
 };
 
-struct VertexRay {
-  double r[3];
+template <class Real>
+struct VertexRayOf {
+  Real r[3];
   float error;
 };
+
+using Line = LineOf<double>;
+using PlaneRay = PlaneRayOf<double>;
+using VertexRay = VertexRayOf<double>;
 
 // How the front of a plane stands to the light.
 enum class Turned : std::uint8_t { toward, away, edge_on };
@@ -64,12 +72,14 @@ class LightSpace {
   // The plane's direction as a covector of length one: of q, but also where the plane is seen edge-on and has none.
   Vec3 covector(const Plane& p) const;
   // What linear functions of r have to be divided by to be linear on the plane q, where r meets it.
-  double weight(const double r[3], const double q[3]) const {
+  template <class Real>
+  double weight(const Real r[3], const Real q[3]) const {
     const double h = q[0] * r[0] + q[1] * r[1] + q[2] * r[2];
     return far_ ? r[2] + sign_ * scale_ * h * inverse_depth_ : h;
   }
   // How far, to first order, the point back(r, q) moves along its ray when q moves by 1.
-  double pull(const double r[3], const double q[3]) const {
+  template <class Real>
+  double pull(const Real r[3], const Real q[3]) const {
     const double w = std::abs(weight(r, q)), length = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
     return far_ ? 2 * scale_ * length / w : scale_ * length * length / (w * w);
   }
@@ -78,9 +88,10 @@ class LightSpace {
   // How far it is at most from x, off the plane by 1, to where the ray of x meets the plane.
   double slide(const Vec3& x, const Plane& p) const;
   // The point where the ray r meets the plane q.
-  Vec3 back(const double r[3], const double q[3]) const {
+  template <class Real>
+  Vec3 back(const Real r[3], const Real q[3]) const {
     const double h = q[0] * r[0] + q[1] * r[1] + q[2] * r[2];
-    if (far_) return back_from_far(r, h);
+    if (far_) return back_from_far({r[0], r[1], r[2]}, h);
     const double s = scale_ / h;
     return {center_[0] + r[0] * s, center_[1] + r[1] * s, center_[2] + r[2] * s};
   }
@@ -94,7 +105,7 @@ class LightSpace {
   };
   Frame frame() const { return {far_, center_, {axis_[0], axis_[1], axis_[2]}, sign_, scale_}; }
   // Two points whose line of light is the plane n through the light, or nearly.
-  std::pair<Vec3, Vec3> span(const double n[3]) const;
+  std::pair<Vec3, Vec3> span(const Vec3& n) const;
 
   // +1 when a loop that runs counter-clockwise seen from the light does so in r too (its lines positive inside), else -1.
   int handedness() const { return handedness_; }
@@ -109,7 +120,7 @@ class LightSpace {
     Vec3 r;
     double error;  // absolute
   };
-  Vec3 back_from_far(const double r[3], double h) const;
+  Vec3 back_from_far(const Vec3& r, double h) const;
   Raw raw_ray(const Vec3& x) const;
   double awayness(const Plane& p, double& error, double& tilted) const;
 

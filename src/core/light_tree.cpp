@@ -11,7 +11,7 @@
 #include "conform.hpp"
 #include "id_table.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 Eigen::AlignedBox3d box_of(const Scene& scene) {  // of what the light has to do with
@@ -55,10 +55,16 @@ void parallel(std::size_t count, std::size_t grain, const Body& body) {
 
 }  // namespace
 
+std::unique_ptr<LightShadows> make_light_shadows(const Scene& scene, const Light& light, const Options& options) {
+  return std::make_unique<LightTree>(scene, light, options);
+}
+
 LightTree::LightTree(const Scene& scene, const Light& light, const Options& options)
     : scene_(scene), options_(options), light_(light), space_(light, {}) {
   tables_.edits = options.edits;
   tables_.join_threshold = options.join_threshold;
+  tables_.least = options.min_feature;
+  tables_.space = &space_;
   begin_update();
   rebuild(light);
 }
@@ -67,6 +73,7 @@ void LightTree::rebuild(const Light& light) {
   note_everything();
   light_ = light;
   space_ = LightSpace(light, box_of(scene_));
+  tables_.light_at = light.at;
   build_all();
 }
 
@@ -165,7 +172,7 @@ void LightTree::face_the_light() {
 
 void LightTree::make_line(std::uint32_t edge, std::uint32_t id) {
   const Edge& e = scene_.edges()[edge];
-  Line& line = tables_.lines[id] = space_.line(scene_.vertices()[e.a], scene_.vertices()[e.b]);
+  Line& line = tables_.lines[id] = rounded(space_.line(scene_.vertices()[e.a], scene_.vertices()[e.b]));
   line.a = e.a, line.b = e.b;
   if (tables_.exact) tables_.ends[id] = {scene_.vertices()[e.a], scene_.vertices()[e.b]};
 }
@@ -208,8 +215,8 @@ void LightTree::note_for_exact(const Object& object, ExactLight& exact) const {
 void LightTree::span_prefix() {
   tables_.ends.resize(tables_.lines.size());
   for (std::uint32_t id = tables_.first_prefix_line; id < tables_.lines.size(); ++id) {
-    const auto [a, b] = tables_.ends[id] = space_.span(tables_.lines[id].n);
-    tables_.lines[id] = space_.line(a, b);
+    const auto [a, b] = tables_.ends[id] = space_.span({tables_.lines[id].n[0], tables_.lines[id].n[1], tables_.lines[id].n[2]});
+    tables_.lines[id] = rounded(space_.line(a, b));
     tables_.exact->note_position(a);
     tables_.exact->note_position(b);
   }
@@ -231,8 +238,8 @@ void LightTree::face_exactly(std::uint32_t facet) {
   for (std::uint32_t k = 0; k < cone->count && sure; ++k) {
     const EdgeRef edge = cone->corners()[k].edge;
     const Line& l = tables_.lines[edge.line()];
-    const double* r = cone->corners()[(k + 2) % cone->count].r;
-    const double s = l.n[0] * r[0] + l.n[1] * r[1] + l.n[2] * r[2];
+    const Real* r = cone->corners()[(k + 2) % cone->count].r;
+    const Real s = l.n[0] * r[0] + l.n[1] * r[1] + l.n[2] * r[2];
     sure = (edge.negative() ? -s : s) > static_cast<double>(l.error) + static_cast<double>(cone->error) + sign_slack;
   }
   if (sure) return w.pool.give_back(cone);
@@ -332,7 +339,10 @@ bool LightTree::cut_convex(Cone* cone, Workspace& w, std::vector<Cone*>& parts) 
 
 double LightTree::solid_angle(std::uint32_t facet) const {
   const auto corners = scene_.corners_of(scene_.facets()[facet]);
-  const auto ray = [&](std::size_t k) { return Vec3(tables_.rays[corners[k].vertex].r); };
+  const auto ray = [&](std::size_t k) {
+    const auto& r = tables_.rays[corners[k].vertex].r;
+    return Vec3(r[0], r[1], r[2]);
+  };
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 1; k + 1 < corners.size(); ++k) sum += (ray(k) - ray(0)).cross(ray(k + 1) - ray(0));
   return sum.norm();
@@ -395,7 +405,10 @@ std::vector<std::uint32_t> LightTree::insertion_order(std::vector<Vec3>& centers
   centers.resize(options_.facets_per_cell ? order.size() : 0);
   parallel(centers.size(), 1024, [&](std::size_t i) {
     Vec3 sum = Vec3::Zero();
-    for (const Corner& c : scene_.corners_of(facets[order[i]])) sum += Vec3(tables_.rays[c.vertex].r);
+    for (const Corner& c : scene_.corners_of(facets[order[i]])) {
+      const auto& r = tables_.rays[c.vertex].r;
+      sum += Vec3(r[0], r[1], r[2]);
+    }
     centers[i] = sum.normalized();
   });
   return order;
@@ -575,7 +588,10 @@ void LightTree::sum_up() {
     for (const Fragment& f : shadows_.blocks.back().fragments) absorb({f.face, f.lit, true, f.area});
     total_up();
   } else {
-    for (std::size_t f = 0; f < areas.size(); ++f) areas[f].lit = fragment_areas_[f].lit, areas[f].shadowed = fragment_areas_[f].shadowed;
+    for (std::size_t f = 0; f < areas.size(); ++f) {
+      areas[f].lit = fragment_areas_[f].lit, areas[f].shadowed = fragment_areas_[f].shadowed;
+      set_dropped(areas[f]);
+    }
     for (const Block& block : shadows_.blocks) {
       for (const Fragment& f : block.fragments) {
         if (areas[f.face].facing == Facing::toward) ++(f.lit ? s.lit_fragments : s.shadowed_fragments);
@@ -586,6 +602,7 @@ void LightTree::sum_up() {
       if (areas[f].facing != Facing::toward) continue;
       ++s.facing_faces;
       s.facing_area += areas[f].area, s.lit_area += areas[f].lit, s.shadowed_area += areas[f].shadowed;
+      s.dropped_area += areas[f].dropped;
     }
   }
   s.facets = static_cast<std::uint64_t>(std::count(enters_.begin(), enters_.end(), 1));
@@ -628,4 +645,4 @@ void LightTree::add_sums(const CellSums& n, bool more) {
   add(s.joined, n.joined), add(s.deferred, n.deferred), add(s.cells_built_again, n.built_again), add(s.bytes, n.bytes);
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

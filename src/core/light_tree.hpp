@@ -4,7 +4,6 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
-#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
@@ -13,14 +12,12 @@
 #include <vector>
 
 #include "emit.hpp"
+#include "light_shadows.hpp"
 #include "live.hpp"
 #include "prefix.hpp"
+#include "reach.hpp"
 
-namespace shadowcut {
-
-using Clock = std::chrono::steady_clock;
-
-inline double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+namespace shadowcut::SHADOWCUT_NUMBERS {
 
 // An exact sum of doubles, however often something is added and taken away again: kept as doubles that do not overlap (Shewchuk 1997,
 // grow-expansion).
@@ -42,17 +39,17 @@ class Sum {
   std::vector<double> parts_;  // smallest first
 };
 
-class LightTree {
+class LightTree final : public LightShadows {
  public:
   LightTree(const Scene& scene, const Light& light, const Options& options);
 
-  const Shadows& shadows() const { return shadows_; }
-  Shadows take_shadows() { return std::move(shadows_); }
+  const Shadows& shadows() const override { return shadows_; }
+  Shadows take_shadows() override { return std::move(shadows_); }
   const LightSpace& space() const { return space_; }
   const LightTables& tables() const { return tables_; }
   const Prefix& prefix() const { return *prefix_; }
   std::span<const CellTree> cells() const { return cells_; }
-  std::string validate() const;
+  std::string validate() const override;
 
   // How a facet's side that counts stands to the light. Only `toward` may be lit.
   Facing facing(std::uint32_t facet) const { return facing_[facet]; }
@@ -63,21 +60,15 @@ class LightTree {
   }
   bool front_lit(std::uint32_t facet) const { return turned_[facet] == Turned::toward; }
 
-  // An update is one call of begin_update, any number of edits, and finish_update, which says what has changed.
-  //   rebuild        everything anew, for a light that may be another one; uses its memory again
-  //   remove_objects takes objects out, while the scene still holds them as they were inserted
-  //   insert_objects puts them, or what the scene now holds in their place, in again. The same objects must have been removed.
-  void begin_update();
-  void rebuild(const Light& light);
-  void remove_objects(std::span<const std::uint32_t> objects);
-  void insert_objects(std::span<const std::uint32_t> objects);
-  void finish_update(LightChanges& changes);
-  void rebuild_to_nothing(LightChanges& changes);  // instead of all that: the light is gone
+  void begin_update() override;
+  void rebuild(const Light& light) override;
+  void remove_objects(std::span<const std::uint32_t> objects) override;
+  void insert_objects(std::span<const std::uint32_t> objects) override;
+  void finish_update(LightChanges& changes) override;
+  void rebuild_to_nothing(LightChanges& changes) override;
 
-  const Fragment* find(FragmentId id) const;
-
-  // Of every face, how much could be in another state; see Engine::undecided. (undecided.cpp)
-  std::vector<double> undecided() const;
+  const Fragment* find(FragmentId id) const override;
+  std::vector<double> undecided() const override;  // undecided.cpp
 
  private:
   struct LineBlock {             // line ids of one object's edges, at one of its poses
@@ -128,9 +119,9 @@ class LightTree {
   void face_facet(std::uint32_t facet, bool reached, bool holds_light);
   bool holds_light(const Object& object) const;
   void face_the_light();
-  void make_ray(std::uint32_t vertex) { tables_.rays[vertex] = space_.ray(scene_.vertices()[vertex]); }
+  void make_ray(std::uint32_t vertex) { tables_.rays[vertex] = rounded(space_.ray(scene_.vertices()[vertex])); }
   void make_line(std::uint32_t edge, std::uint32_t id);
-  void make_plane(std::uint32_t plane) { tables_.planes[plane] = space_.plane(scene_.planes()[plane]); }
+  void make_plane(std::uint32_t plane) { tables_.planes[plane] = rounded(space_.plane(scene_.planes()[plane])); }
   void fill_tables();
   double solid_angle(std::uint32_t facet) const;
   std::vector<std::uint32_t> by_object(std::span<const std::uint32_t> objects, const std::function<double(std::uint32_t)>& size_of) const;
@@ -198,6 +189,12 @@ class LightTree {
   void count_face(const FaceArea& area, bool more);
   void total_up();
   void set_area(std::uint32_t face, const FaceArea& area);
+  // Nothing but the smallest features is missing from a face's fragments, and they do not overlap.
+  void set_dropped(FaceArea& a) const {
+    const bool any = tables_.least.area > 0 || tables_.least.solid_angle > 0;
+    const bool has_fragments = a.facing != Facing::ignored && a.facing != Facing::refused;
+    a.dropped = any && has_fragments ? std::max(0.0, a.area - a.lit - a.shadowed) : 0;
+  }
   void absorb(std::span<const std::uint32_t> cells);
   void absorb(const LiveCell::AreaChange& change);
   void note_mover(Fresh& fresh, std::uint32_t object) const;
@@ -236,7 +233,7 @@ class LightTree {
   std::vector<std::uint32_t> away_born_;  // by facet: the update in which it came
   std::vector<Units> units_;              // by face
   std::vector<FaceArea> fragment_areas_;  // by face: sums of what emit() handed out
-  Sum facing_area_, lit_area_, shadowed_area_;
+  Sum facing_area_, lit_area_, shadowed_area_, dropped_area_;
   std::vector<LineBlock> line_blocks_;
   std::vector<std::uint32_t> block_of_object_, block_of_line_;  // indices into line_blocks_, or none
   std::multimap<std::uint32_t, std::uint32_t> free_blocks_;     // by count
@@ -257,11 +254,4 @@ class LightTree {
   std::vector<Block> before_;            // where fragments do not know whether they are new
 };
 
-// Whether the face is somewhere within the light's range, and somewhere within its cone.
-bool within_reach(const Scene& scene, const Face& face, const Light& light);
-
-// Whether a point lies inside the solid that the object's faces bound, or on its surface. In doubt it says yes: then far-side faces cast
-// too, which is never wrong, only work.
-bool in_or_on_solid(const Scene& scene, const Object& object, const Vec3& point);
-
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

@@ -7,7 +7,7 @@
 
 #include "light_tree.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 constexpr double growth_allowed = 1.1;      // of a cell, by edits
@@ -18,7 +18,7 @@ constexpr std::size_t most_movers = 4;      // that a cell keeps in mind
 constexpr float largest_ray_error = static_cast<float>(256 * unit_roundoff);
 
 bool differ(const FaceArea& a, const FaceArea& b) {
-  return a.facing != b.facing || a.area != b.area || a.lit != b.lit || a.shadowed != b.shadowed;
+  return a.facing != b.facing || a.area != b.area || a.lit != b.lit || a.shadowed != b.shadowed || a.dropped != b.dropped;
 }
 
 }  // namespace
@@ -502,13 +502,14 @@ void LightTree::count_face(const FaceArea& a, bool more) {
   more ? ++shadows_.stats.facing_faces : --shadows_.stats.facing_faces;
   const double sign = more ? 1 : -1;
   facing_area_.add(sign * a.area), lit_area_.add(sign * a.lit), shadowed_area_.add(sign * a.shadowed);
+  dropped_area_.add(sign * a.dropped);
 }
 
 // The statistics' areas, after faces have changed: those that may have, or all.
 void LightTree::total_up() {
   Stats& s = shadows_.stats;
   if (rebuilt_) {
-    facing_area_ = lit_area_ = shadowed_area_ = {};
+    facing_area_ = lit_area_ = shadowed_area_ = dropped_area_ = {};
     s.facing_faces = 0;
     for (const FaceArea& a : shadows_.areas) count_face(a, true);
   } else {
@@ -518,12 +519,14 @@ void LightTree::total_up() {
     }
   }
   s.facing_area = facing_area_.value(), s.lit_area = lit_area_.value(), s.shadowed_area = shadowed_area_.value();
+  s.dropped_area = dropped_area_.value();
 }
 
 // A face has no fragments now; what it will have is counted as they come.
 void LightTree::set_area(std::uint32_t face, const FaceArea& area) {
   if (!is_live()) return;
   shadows_.areas[face] = area;
+  set_dropped(shadows_.areas[face]);
   units_[face] = {unit_for(area.area), 0, 0};
 }
 
@@ -536,6 +539,7 @@ void LightTree::absorb(const LiveCell::AreaChange& change) {
   std::int64_t& sum = change.lit ? u.lit : u.shadowed;
   sum += change.added ? units : -units;
   (change.lit ? a.lit : a.shadowed) = static_cast<double>(sum) * u.unit;
+  set_dropped(a);
   if (a.facing != Facing::toward) return;
   std::uint64_t& fragments = change.lit ? shadows_.stats.lit_fragments : shadows_.stats.shadowed_fragments;
   change.added ? ++fragments : --fragments;
@@ -661,4 +665,4 @@ const Fragment* LightTree::find(FragmentId id) const {
   return f == fragments.end() ? nullptr : &*f;
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

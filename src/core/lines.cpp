@@ -1,6 +1,6 @@
 #include "lines.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 // Points in one line along an axis.
@@ -83,7 +83,7 @@ int Lines::ahead(std::uint32_t facet, std::uint32_t vertex) const {
 
 VertexRay Lines::ray(EdgeRef in, EdgeRef out) const {
   const LightLine a = exact(in.line()), b = exact(out.line());
-  return exact_->ray({nullptr, false, &a, &b, in.negative(), out.negative()});
+  return rounded(exact_->ray({nullptr, false, &a, &b, in.negative(), out.negative()}));
 }
 
 Vec3 Lines::point(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t facet, PointCache& cache) const {
@@ -100,4 +100,4 @@ Construction Lines::construction(std::span<const ConeCorner> cone, std::uint32_t
   return {exact(incoming(cone, i).line()), exact(cone[i].edge.line()), cone[i].vertex};
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

@@ -10,7 +10,7 @@
 #include "cone.hpp"
 #include "exact.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 
 // Line ids: edges of the scene and planes of the prefix lie below, a cell's own lines from here on.
 inline constexpr std::uint32_t first_local_line = 1u << 29;
@@ -32,6 +32,9 @@ struct LightTables {
   std::vector<std::uint32_t> line_shift;  // by object: what to add to an edge's index for its line's id
   bool edits = false;                     // whether objects will come and go
   std::uint32_t join_threshold = 0;
+  MinFeature least = {};  // see smallest_feature.hpp
+  const LightSpace* space = nullptr;
+  Vec3 light_at = Vec3::Zero();       // of a point light
   std::unique_ptr<ExactLight> exact;  // exact kernel
   std::uint32_t object_of(std::uint32_t facet) const { return faces[facets[facet].face].object; }
   bool casts(std::uint32_t facet) const { return objects[object_of(facet)].casts; }
@@ -107,4 +110,4 @@ class Lines {
   const ExactLight* exact_;
 };
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

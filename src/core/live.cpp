@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-namespace shadowcut {
+#include "smallest_feature.hpp"
+
+namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 constexpr std::uint32_t not_yet = 0;  // of an update's number
@@ -261,7 +263,13 @@ void LiveCell::emit_in_front(const CellTree& tree, std::uint32_t p, std::uint32_
       const Node& node = tree.nodes()[here.node()];
       Cone* cut_off;
       place = here.node() * 2 + sift(cone, node.n, node.error, node.id, lines, any, w.pool, w.spill, cut_off, counts);
-      if (cut_off) send(cut_off, here.node() * 2 + 1, follow);
+      if (!cut_off) continue;
+      if (Cone* lost = too_small(target.tables, cone, cut_off)) {
+        if (lost == cone) cone = cut_off, place = here.node() * 2 + 1;
+        w.pool.give_back(lost);
+        continue;
+      }
+      send(cut_off, here.node() * 2 + 1, follow);
     }
     w.pool.give_back(cone);
   }
@@ -350,4 +358,4 @@ std::string LiveCell::validate(const CellTree& tree, const EmitTarget& target, c
   return {};
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

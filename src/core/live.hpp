@@ -13,7 +13,7 @@
 #include "free_list.hpp"
 #include "tree.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 
 class LiveCell {
  public:
@@ -92,4 +92,4 @@ class LiveCell {
   std::vector<AreaChange> area_changes_;
 };
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 // A plane through the light that divides the rays about evenly. False: none does.
@@ -67,7 +67,8 @@ Prefix::Prefix(std::vector<Vec3> rays, bool far, std::uint32_t facets_per_cell, 
         branch = Branch::node(static_cast<std::uint32_t>(nodes_.size()));
         node_above_.push_back({range.parent, range.side});
         nodes_.push_back({static_cast<std::uint32_t>(lines.size()), {Branch::cell(0), Branch::cell(0)}});
-        lines.push_back({{n[0], n[1], n[2]}, 0.0f, none, none});  // the line is what these numbers say: no error
+        // The line is what these numbers say: no error.
+        lines.push_back({{static_cast<Real>(n[0]), static_cast<Real>(n[1]), static_cast<Real>(n[2])}, 0.0f, none, none});
         pending.push_back({cut, range.end, branch.index(), 1, range.depth + 1});
         pending.push_back({range.begin, cut, branch.index(), 0, range.depth + 1});
       }
@@ -85,4 +86,4 @@ Prefix::Prefix(std::vector<Vec3> rays, bool far, std::uint32_t facets_per_cell, 
   }
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

@@ -8,7 +8,7 @@
 
 #include "lines.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 
 class Prefix {
  public:
@@ -89,4 +89,4 @@ class Prefix {
   std::size_t cells_ = 0;
 };
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

@@ -1,10 +1,12 @@
-// What a light can reach: range, cone, and the solid it may stand in.
+// See reach.hpp.
+
+#include "reach.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "light_tree.hpp"
+#include "light_space.hpp"
 
 namespace shadowcut {
 namespace {

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "live.hpp"
+#include "smallest_feature.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 
 void CellTree::clear() {
   live_ = nullptr;
@@ -74,6 +76,10 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
       counts_.predicates += cone->count;
       Cone* cut_off;
       place = here.node() * 2 + sift(cone, node.n, node.error, node.id, lines(), bounds, w.pool, w.spill, cut_off, counts_.signs);
+      if (cut_off && drop_smallest(cone, cut_off, node.id, w) && !cone) {
+        cone = std::exchange(cut_off, nullptr);
+        place = here.node() * 2 + 1;
+      }
       if (cut_off) {
         cut_off->at = here.node() * 2 + 1;
         w.pending.push_back(cut_off);
@@ -119,8 +125,12 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
       Cone *front, *behind;
       split(*cone, signs, line(cut).n, line(cut).error, cut, false, lines(), w.pool, front, behind);
       w.pool.give_back(cone);
-      add_to_list(store(*behind, Piece::Kind::behind, pp), pp);
-      w.pool.give_back(behind);
+      drop_smallest(front, behind, cut, w);
+      if (behind) {
+        add_to_list(store(*behind, Piece::Kind::behind, pp), pp);
+        w.pool.give_back(behind);
+      }
+      if (!front) return;
       cone = front;
       place = pp * 2;
       continue;
@@ -133,6 +143,20 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
     break;
   }
   w.pool.give_back(cone);
+}
+
+// Of the two parts of a cut, the smaller if it is smaller than what is to be kept; it becomes null. The other one's edge there then relies
+// on nobody's other half: it gets an SP-node of its own.
+bool CellTree::drop_smallest(Cone*& a, Cone*& b, std::uint32_t line, Workspace& w) {
+  Cone* lost = too_small(*tables_, a, b);
+  if (!lost) return false;
+  w.pool.give_back(lost);
+  (lost == a ? a : b) = nullptr;
+  Cone& kept = a ? *a : *b;
+  for (ConeCorner& c : std::span(kept.corners(), kept.count)) {
+    if (tables_->edits && c.edge.line() == line) c.edge.set_bounded(false);
+  }
+  return true;
 }
 
 // Replaces a leaf by the shadow volume of a piece: an SP-node for each edge that the cell does not already end at, then its PP-node.
@@ -240,7 +264,7 @@ void CellTree::release_piece(std::uint32_t piece) {
   free_pieces_.give_back(piece);
 }
 
-std::uint32_t CellTree::add_node(const double n[3], float error, std::uint32_t id, std::uint32_t parent, std::uint32_t owner) {
+std::uint32_t CellTree::add_node(const Real n[3], float error, std::uint32_t id, std::uint32_t parent, std::uint32_t owner) {
   const Node node{{n[0], n[1], n[2]}, error, {Child::out(), Child::out()}, id};
   const NodeLinks links{parent, owner, none};
   if (free_nodes_.empty()) {
@@ -314,4 +338,4 @@ std::uint64_t CellTree::depth() const {
   return deepest;
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

@@ -26,7 +26,7 @@
 #include "free_list.hpp"
 #include "lines.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 
 class LiveCell;
 
@@ -52,12 +52,12 @@ class Child {
 };
 
 struct Node {
-  double n[3];       // SP: the line; PP: the plane's q
+  Real n[3];         // SP: the line; PP: the plane's q
   float error;       // of n
   Child child[2];    // SP: positive, negative side; PP: [0] in front, [1] unused
   std::uint32_t id;  // SP: line; PP: the owner, a piece
 };
-static_assert(sizeof(Node) == 40);
+static_assert(sizeof(Node) == 3 * sizeof(Real) + 16);
 
 // What is not needed on the way down.
 struct NodeLinks {
@@ -164,6 +164,7 @@ class CellTree {
   void put(std::uint32_t place, Child child);
   void insert_at(Cone* cone, std::uint32_t place, Workspace& w);
   void filter(Cone* cone, std::uint32_t place, Workspace& w);
+  bool drop_smallest(Cone*& a, Cone*& b, std::uint32_t line, Workspace& w);
   void attach(Cone& cone, std::uint32_t place);
   std::uint32_t store(const Cone& cone, Piece::Kind kind, std::uint32_t place);
   void set_corners(std::uint32_t piece, std::span<const ConeCorner> corners);
@@ -172,7 +173,7 @@ class CellTree {
   void rest_at_leaf(std::uint32_t piece, std::uint32_t place);
   void unlink(std::uint32_t piece);
   void release_piece(std::uint32_t piece);
-  std::uint32_t add_node(const double n[3], float error, std::uint32_t id, std::uint32_t parent, std::uint32_t owner);
+  std::uint32_t add_node(const Real n[3], float error, std::uint32_t id, std::uint32_t parent, std::uint32_t owner);
   std::uint32_t add_local_line(const Line& line, const LightLine& exact);
   void count_use(std::uint32_t line, bool more);
 
@@ -214,4 +215,4 @@ class CellTree {
   TreeCounts counts_;
 };
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

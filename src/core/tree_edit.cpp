@@ -19,7 +19,7 @@
 #include "tree.hpp"
 #include "unite.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 bool has_edge_on(std::span<const ConeCorner> corners, std::uint32_t line) {
@@ -395,4 +395,4 @@ void CellTree::reunite_in_list(std::uint32_t piece, std::uint32_t pp) {
   }
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

@@ -20,7 +20,7 @@
 
 #include "light_tree.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 using Doubts = std::vector<std::pair<std::uint32_t, double>>;  // face, area
@@ -93,9 +93,9 @@ class CellDoubts {
   // On the plane of a facet, which need not be the cone's own.
   Polygon seen_on(const Cone& cone, std::uint32_t facet) const {
     const Plane& plane = target_.scene.planes()[plane_index(facet)];
-    const auto& [q, q_error] = plane_of(facet);
+    const PlaneRay& ray = plane_of(facet);
     const auto is_given = [&](const ConeCorner& c) { return c.vertex != none && facet == cone.facet; };
-    const auto at = [&](const ConeCorner& c) { return is_given(c) ? target_.scene.vertices()[c.vertex] : target_.space.back(c.r, q); };
+    const auto at = [&](const ConeCorner& c) { return is_given(c) ? target_.scene.vertices()[c.vertex] : target_.space.back(c.r, ray.q); };
     double perimeter = 0, spread = 0, extent = 0, pull = 0;
     bool all_given = true;  // the scene's own vertices: no rounding has moved them
     Vec3 sum = Vec3::Zero();
@@ -108,10 +108,10 @@ class CellDoubts {
       last = x;
       spread = std::max(spread, target_.space.spread(x, plane));
       extent = std::max(extent, x.cwiseAbs().maxCoeff());
-      pull = std::max(pull, target_.space.pull(c.r, q));
+      pull = std::max(pull, target_.space.pull(c.r, ray.q));
       all_given = all_given && is_given(c);
     }
-    const double turned = 2 * spread * (static_cast<double>(cone.error) + sign_slack), pulled = 2 * pull * static_cast<double>(q_error);
+    const double turned = 2 * spread * (static_cast<double>(cone.error) + sign_slack), pulled = 2 * pull * static_cast<double>(ray.error);
     const double moved = all_given ? 0 : no_nan(turned + pulled + 4 * unit_roundoff * extent);
     Polygon out;
     out.area = no_nan(std::abs(sum.dot(plane.normal)) / 2 + (perimeter + 4 * moved) * moved);
@@ -120,7 +120,7 @@ class CellDoubts {
   }
 
   // Which share of the cone, seen on plane q, lies where d.r is below the bound of its test; side: the sign that it should have.
-  double share_below(const Cone& cone, const double d[3], double bound, double side, const double q[3]) const {
+  double share_below(const Cone& cone, const Real d[3], double bound, double side, const Real q[3]) const {
     bool certain = true;
     double most = 0, least = 0;
     for (const ConeCorner& c : cone.span()) {
@@ -296,7 +296,7 @@ double LightTree::thickness_of(std::uint32_t i) const {
   double thickness = 0;
   Vec3 axis = Vec3::Zero(), turn = Vec3::Zero();
   for (std::size_t k = 0; k < corners.size(); ++k) {
-    const Line edge = space_.line(at(k), at(k + 1));
+    const LineOf<double> edge = space_.line(at(k), at(k + 1));
     const Vec3 n(edge.n);
     if (!n.allFinite()) return 2;
     double farthest = 0;
@@ -337,8 +337,8 @@ bool LightTree::may_be_convex(const Cone& cone) const {
   for (std::uint32_t k = 0; k < cone.count; ++k) {
     const EdgeRef edge = cone.corners()[k].edge;
     const Line& l = tables_.lines[edge.line()];
-    const double* r = cone.corners()[(k + 2) % cone.count].r;
-    const double s = l.n[0] * r[0] + l.n[1] * r[1] + l.n[2] * r[2];
+    const Real* r = cone.corners()[(k + 2) % cone.count].r;
+    const Real s = l.n[0] * r[0] + l.n[1] * r[1] + l.n[2] * r[2];
     if ((edge.negative() ? -s : s) < -(static_cast<double>(l.error) + static_cast<double>(cone.error) + sign_slack)) return false;
   }
   return true;
@@ -388,4 +388,4 @@ std::vector<double> LightTree::undecided() const {
   return out;
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

@@ -6,7 +6,7 @@
 
 #include "lines.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 
 inline bool same_ray(const ConeCorner& a, const ConeCorner& b) { return a.r[0] == b.r[0] && a.r[1] == b.r[1] && a.r[2] == b.r[2]; }
 inline bool same_side(EdgeRef a, EdgeRef b) { return a.line() == b.line() && a.negative() == b.negative(); }
@@ -42,7 +42,7 @@ inline bool unite(std::span<const ConeCorner> p, std::span<const ConeCorner> q, 
     k = k < c.size() ? k : k - static_cast<std::uint32_t>(c.size());
     if (lines.is_exact()) return (edge.negative() ? -1 : 1) * lines.side(c, k, facet, edge.line(), counts) > 0;
     const Line& l = lines(edge.line());
-    const double s = l.n[0] * c[k].r[0] + l.n[1] * c[k].r[1] + l.n[2] * c[k].r[2];
+    const Real s = l.n[0] * c[k].r[0] + l.n[1] * c[k].r[1] + l.n[2] * c[k].r[2];
     return (edge.negative() ? -s : s) > 16 * static_cast<double>(l.error) + 16 * sign_slack;
   };
   const auto lies_on = [&](std::uint32_t k, EdgeRef edge) {
@@ -61,4 +61,4 @@ inline bool unite(std::span<const ConeCorner> p, std::span<const ConeCorner> q, 
   return out.size() >= 3;
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS

@@ -4,7 +4,7 @@
 
 #include "light_tree.hpp"
 
-namespace shadowcut {
+namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 std::string say(const char* what, std::size_t which) { return std::string(what) + " (" + std::to_string(which) + ")"; }
@@ -92,7 +92,8 @@ std::string CellTree::validate() const {
         // 4. What stands in the front subtree of a PP-node is nowhere certainly behind its plane.
         const PlaneRay& own = tables_->planes[tables_->facets[piece.facet].plane];
         const PlaneDifference nearer(own, node.n, node.error);
-        if (Signs(*cone, nearer.d, since_cut * nearer.bound(*cone), spill).negative()) return say("a piece in front of a PP-node reaches behind it", p);
+        if (Signs(*cone, nearer.d, since_cut * nearer.bound(*cone), spill).negative())
+          return say("a piece in front of a PP-node reaches behind it", p);
         continue;
       }
       // 5. A piece lies on its cell's side of every SP-node above it.
@@ -155,8 +156,8 @@ std::string LightTree::validate() const {
   if (options_.edits) {
     if (std::string what = validate_books(); !what.empty()) return what;
   }
-  // 14. A face's fragments add up to its area, as far as corners that carry a rounding of their distance from the light, and of their own
-  // coordinates, can say: for a needle far away that is more than a share of its area.
+  // 14. A face's fragments, and what was dropped, add up to its area, as far as corners that carry a rounding of their distance from the
+  // light, and of their own coordinates, can say: for a needle far away that is more than a share of its area.
   for (std::size_t f = 0; f < shadows_.areas.size(); ++f) {
     const FaceArea& a = shadows_.areas[f];
     if (a.facing == Facing::ignored || a.facing == Facing::refused) continue;
@@ -166,7 +167,7 @@ std::string LightTree::validate() const {
       for (const Corner& c : scene_.corners_of(facet)) box.extend(scene_.vertices()[c.vertex]);
     }
     const double reach = space_.reach(box) + box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).norm();
-    if (!(std::abs(a.lit + a.shadowed - a.area) <= 1e-9 * a.area + 64 * unit_roundoff * reach * box.diagonal().norm())) {
+    if (!(std::abs(a.lit + a.shadowed + a.dropped - a.area) <= 1e-9 * a.area + 64 * roundoff * reach * box.diagonal().norm())) {
       return say("a face's lit and shadowed areas do not add up to its area", f);
     }
   }
@@ -224,4 +225,4 @@ std::string LightTree::validate_books() const {
   return {};
 }
 
-}  // namespace shadowcut
+}  // namespace shadowcut::SHADOWCUT_NUMBERS
