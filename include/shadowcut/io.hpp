@@ -14,7 +14,8 @@
 namespace shadowcut::io {
 
 struct ReadOptions {
-  Sides sides = Sides::automatic;  // for every object
+  Sides sides = Sides::automatic;                      // for every object
+  double coplanarity_tolerance = default_coplanarity;  // Scene::coplanarity_tolerance
 };
 
 // Reads a scene. By extension: .obj .ply .off .stl, whose coordinates are the doubles nearest to the file's numbers; anything else by

@@ -137,6 +137,7 @@ void check(const Light& light, const std::string& who);
 // A *face* is what the user gave; a *facet* is one of the convex parts it was cut into (most faces are one facet).
 
 inline constexpr std::uint32_t none = 0xFFFFFFFFu;
+inline constexpr double default_coplanarity = 1e-12;  // see Scene::coplanarity_tolerance
 
 struct Plane {
   Vec3 normal;  // unit length, to the front
@@ -144,7 +145,7 @@ struct Plane {
   // The normal before it was brought to length one, for the exact kernel: where the corners' differences are short numbers it has no error,
   // and then neither has the plane, {x: exact_normal . (x - point) = 0}.
   Vec3 exact_normal;
-  double flatness;  // the largest distance of the corners from the plane
+  double flatness;  // the largest distance of the corners from the plane, of all faces that share it
   double tilt;  // how far, in radians, corners moved by that (or by rounding) could turn the plane; a light nearer to the plane than this
                 // sees it edge-on
 };
@@ -183,6 +184,10 @@ struct Object {
   Pose pose = Pose::Identity();
   std::uint32_t first_facet = 0, facet_count = 0, first_edge = 0, edge_count = 0;
   bool alive = true;  // false: removed; its counts are 0, and its index waits for the next object
+  // Facets that, when the object was added or deformed, were put into a plane that was not to the last digit that of their own corners (see
+  // Scene::coplanarity_tolerance); and the largest distance of such a corner from it.
+  std::uint32_t aligned = 0;
+  double aligned_by = 0;
 };
 
 // Removing an object leaves holes in the arrays below, and later objects may fill them: a face there that is no object's has `object`
@@ -199,6 +204,12 @@ class Scene {
   // The largest distance of a corner from its face's plane, as a share of the face's diameter, at which the face still counts as flat.
   // Set before objects are added.
   double flatness_tolerance = 1e-6;
+  // Faces of one object, or facets of one that is not flat, whose corners lie within this of the plane of a larger one get that plane, on
+  // either side of it: they touch, and do not cross each other in slivers. A share of the object's largest coordinate, as its mesh gives
+  // it: what some thousand roundings of coordinates come to, and no more; where such a step would turn a face by more than the flatness
+  // tolerance, the face keeps its own plane. No motion of the object changes what shares a plane. 0: every face has its own plane.
+  // Set before objects are added; Object::aligned says what came of it.
+  double coplanarity_tolerance = default_coplanarity;
 
   // Adds an object: welds equal positions, checks every face, cuts concave faces into convex facets, decides its sides.
   // Cost: O(corners log corners), quadratic only in the corners of a single concave outline.

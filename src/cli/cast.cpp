@@ -67,11 +67,8 @@ ordered_json summary_of(const Engine& engine, std::size_t k, const NamedLight& l
 }
 
 std::string summary(const Engine& engine, const std::vector<NamedLight>& lights, const CastArguments& a, double load_ms) {
-  ordered_json document{{"scene", a.scene},
-                        {"kernel", kernel_name(a.options.kernel)},
-                        {"threads", a.options.threads},
-                        {"load_ms", load_ms},
-                        {"lights", ordered_json::array()}};
+  ordered_json document{{"scene", a.scene},   {"kernel", kernel_name(a.options.kernel)},        {"threads", a.options.threads},
+                        {"load_ms", load_ms}, {"aligned", alignment_of(engine.scene()).facets}, {"lights", ordered_json::array()}};
   for (std::size_t k = 0; k < lights.size(); ++k) document["lights"].push_back(summary_of(engine, k, lights[k]));
   return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
@@ -86,7 +83,7 @@ std::string table(const Scene& scene, const Engine& engine, const std::vector<Na
   }
   return a.scene + ": " + std::to_string(scene.objects().size()) + " objects, " + std::to_string(scene.faces().size()) + " faces, " +
          std::to_string(scene.facets().size()) + " facets, read in " + tenths(load_ms) + " ms; " + std::to_string(a.options.threads) +
-         (a.options.threads == 1 ? " thread\n" : " threads\n") + table.text();
+         (a.options.threads == 1 ? " thread\n" : " threads\n") + sentence(alignment_of(scene)) + table.text();
 }
 
 // The drawing for each output; those that are no drawings take none.
@@ -116,7 +113,7 @@ void cast(const CastArguments& arguments) {
   const std::vector<NamedLight> given = parse_lights(a.lights);
 
   const Clock::time_point start = Clock::now();
-  Scene scene = read({a.scene, a.sides, a.strict, a.quiet});
+  Scene scene = read({a.scene, a.reading, a.strict, a.quiet});
   const double load_ms = milliseconds_since(start);
   const std::vector<NamedLight> lights = set_lights(scene, given, a.scene);
   const std::vector<io::View> views = views_of(scene, lights, a);

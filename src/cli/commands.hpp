@@ -11,7 +11,7 @@ struct CastArguments {
   std::string scene;
   std::vector<std::string> lights;
   Options options;
-  Sides sides = Sides::automatic;
+  io::ReadOptions reading;
   std::vector<std::string> outputs;
   std::vector<std::string> drawings;  // --svg
   std::string up = "z";
@@ -21,14 +21,14 @@ struct CastArguments {
 
 struct InspectArguments {
   std::string scene, json;
-  Sides sides = Sides::automatic;
+  io::ReadOptions reading;
 };
 
 struct ReplayArguments {
   std::string scene, edits;
   std::vector<std::string> lights;
   Options options;
-  Sides sides = Sides::automatic;
+  io::ReadOptions reading;
   std::string changes, json;  // empty: none
   bool verify = false, quiet = false;
 };

@@ -37,9 +37,7 @@ std::vector<NamedLight> set_lights(Scene& scene, const std::vector<NamedLight>& 
 }
 
 Scene read(const Reading& reading) {
-  io::ReadOptions options;
-  options.sides = reading.sides;
-  Scene scene = io::read_scene(reading.file, options);
+  Scene scene = io::read_scene(reading.file, reading.options);
   if (reading.strict && !scene.issues().empty()) {
     list_issues(scene, reading.file, most_issues);
     throw Error(reading.file + ": " + std::to_string(scene.issues().size()) + " faces refused or repaired, and --strict allows none");

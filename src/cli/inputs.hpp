@@ -20,7 +20,7 @@ std::vector<NamedLight> set_lights(Scene& scene, const std::vector<NamedLight>& 
 
 struct Reading {
   std::string file;
-  Sides sides = Sides::automatic;
+  io::ReadOptions options;
   bool strict = false;  // refuses a scene with refused or repaired faces
   bool quiet = false;   // does not list them
 };

@@ -49,6 +49,8 @@ std::string json_text(const Scene& scene, const std::string& file, double load_m
                                    {"facets", counts[i].facets},
                                    {"refused", counts[i].refused},
                                    {"repaired", counts[i].repaired},
+                                   {"aligned", o.aligned},
+                                   {"aligned_by", o.aligned_by},
                                    {"volume", o.signed_volume},
                                    {"casts", o.casts},
                                    {"receives", o.receives}});
@@ -65,16 +67,17 @@ std::string json_text(const Scene& scene, const std::string& file, double load_m
 }
 
 std::string plain_text(const Scene& scene, const std::string& file, double load_ms) {
-  Table objects({"object", "sides", "faces", "facets", "refused", "repaired", "volume"});
+  Table objects({"object", "sides", "faces", "facets", "refused", "repaired", "aligned", "volume"});
   const std::vector<Count> counts = counts_of(scene);
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const Object& o = scene.objects()[i];
     objects.add({o.name, name_of(o.sides), std::to_string(o.face_count), std::to_string(counts[i].facets),
-                 std::to_string(counts[i].refused), std::to_string(counts[i].repaired), significant(o.signed_volume)});
+                 std::to_string(counts[i].refused), std::to_string(counts[i].repaired), std::to_string(o.aligned),
+                 significant(o.signed_volume)});
   }
   std::string text = file + ": " + std::to_string(scene.objects().size()) + " objects, " + std::to_string(scene.faces().size()) +
                      " faces, " + std::to_string(scene.lights().size()) + " lights, " + std::to_string(scene.issues().size()) +
-                     " issues, read in " + tenths(load_ms) + " ms\n\n" + objects.text();
+                     " issues, read in " + tenths(load_ms) + " ms\n" + sentence(alignment_of(scene)) + "\n" + objects.text();
   if (!scene.lights().empty()) {
     Table lights({"light", "name", "range", "half angle"});
     for (const Light& l : scene.lights())
@@ -89,10 +92,8 @@ std::string plain_text(const Scene& scene, const std::string& file, double load_
 }  // namespace
 
 void inspect(const InspectArguments& a) {
-  io::ReadOptions options;
-  options.sides = a.sides;
   const Clock::time_point start = Clock::now();
-  const Scene scene = io::read_scene(a.scene, options);
+  const Scene scene = io::read_scene(a.scene, a.reading);
   const double load_ms = milliseconds_since(start);
   if (!a.json.empty()) io::write_text(a.json, json_text(scene, a.scene, load_ms));
   if (a.json != "-") io::write_text("-", plain_text(scene, a.scene, load_ms));

@@ -33,6 +33,17 @@ CLI::Option* add_list(CLI::App& command, const std::string& name, std::vector<st
 
 const std::map<std::string, Sides> sides{{"auto", Sides::automatic}, {"closed", Sides::closed}, {"open", Sides::open}};
 
+void add_reading(CLI::App& command, io::ReadOptions& reading) {
+  add_choice<Sides>(command, "--sides", reading.sides, sides, "Which sides of faces count (auto)");
+  const auto set = [&reading](const std::string& text) { reading.coplanarity_tolerance = parse_share("--coplanar", text); };
+  command
+      .add_option_function<std::string>(
+          "--coplanar", set,
+          "Faces of an object within this share of its largest coordinate of one plane get that plane; 0: none "
+          "do (1e-12)")
+      ->type_name("TOL");
+}
+
 // What cast and replay have in common.
 template <typename Arguments>
 void add_casting(CLI::App& command, Arguments& a) {
@@ -40,7 +51,7 @@ void add_casting(CLI::App& command, Arguments& a) {
   add_list(command, "--light", a.lights, "point:x,y,z or sun:dx,dy,dz (direction of travel); none: the scene's own lights")
       ->type_name("SPEC");
   add_choice<Kernel>(command, "--kernel", a.options.kernel, kernels(), "Arithmetic: fast (double, with error bounds) or exact (fast)");
-  add_choice<Sides>(command, "--sides", a.sides, sides, "Which sides of faces count (auto)");
+  add_reading(command, a.reading);
   command.add_option("--threads", a.options.threads, "0: one for each processor")->check(CLI::Range(0, 4096));
   command.add_option("--json", a.json, "Summary; - is standard output")->type_name("FILE");
   command.add_flag("--quiet", a.quiet, "Say nothing but errors");
@@ -70,7 +81,7 @@ void add_inspect(CLI::App& app, InspectArguments& a) {
   CLI::App& command = *app.add_subcommand("inspect", "List a scene's objects, lights, and refused or repaired faces");
   command.add_option("SCENE", a.scene, "Scene file")->required();
   command.add_option("--json", a.json, "The same as JSON; - is standard output")->type_name("FILE");
-  add_choice<Sides>(command, "--sides", a.sides, sides, "Which sides of faces count (auto)");
+  add_reading(command, a.reading);
 }
 
 void add_replay(CLI::App& app, ReplayArguments& a) {

@@ -176,16 +176,12 @@ ordered_json json_of(const Record& r) {
           {"issues", r.issues},       {"complete", r.complete}};
 }
 
-std::string summary(const Replay& run, const ReplayArguments& a, double load_ms) {
+std::string summary(const Replay& run, const ReplayArguments& a, double load_ms, const Alignment& alignment) {
   const std::span<const Record> updates = std::span(run.records()).subspan(1);
   const std::span<const Record> later = updates.subspan(std::min<std::size_t>(1, updates.size()));
-  ordered_json document{{"scene", a.scene},
-                        {"script", a.edits},
-                        {"kernel", kernel_name(a.options.kernel)},
-                        {"threads", a.options.threads},
-                        {"load_ms", load_ms},
-                        {"build", json_of(run.records().front())},
-                        {"updates", ordered_json::array()}};
+  ordered_json document{
+      {"scene", a.scene},   {"script", a.edits},           {"kernel", kernel_name(a.options.kernel)}, {"threads", a.options.threads},
+      {"load_ms", load_ms}, {"aligned", alignment.facets}, {"build", json_of(run.records().front())}, {"updates", ordered_json::array()}};
   for (const Record& r : updates) document["updates"].push_back(json_of(r));
   document["first_ms"] = updates.empty() ? ordered_json() : ordered_json(updates.front().update_ms);
   document["next_median_ms"] = later.empty() ? ordered_json() : ordered_json(quantile(later, 0.5, update_ms));
@@ -244,16 +240,17 @@ std::string replay(const ReplayArguments& arguments) {
   const std::vector<Step> steps = parse_edits(io::read_bytes(a.edits), a.edits);
 
   const Clock::time_point start = Clock::now();
-  Scene scene = read({a.scene, a.sides, false, a.quiet});
+  Scene scene = read({a.scene, a.reading, false, a.quiet});
   const double load_ms = milliseconds_since(start);
+  const Alignment alignment = alignment_of(scene);
   set_lights(scene, given, a.scene);
   Replay run(scene, steps, a);
   run.run();
 
   Outputs outputs;
   if (run.changes()) outputs.write(a.changes, [&] { run.changes()->commit(); });
-  if (!a.json.empty()) outputs.write(a.json, [&] { io::write_text(a.json, summary(run, a, load_ms)); });
-  if (!a.quiet && a.json != "-") outputs.write("-", [&] { io::write_text("-", table(run, scene, a)); });
+  if (!a.json.empty()) outputs.write(a.json, [&] { io::write_text(a.json, summary(run, a, load_ms, alignment)); });
+  if (!a.quiet && a.json != "-") outputs.write("-", [&] { io::write_text("-", sentence(alignment) + table(run, scene, a)); });
   return run.difference();
 }
 

@@ -34,6 +34,21 @@ void list_issues(const Scene& scene, const std::string& file, std::size_t most) 
   if (issues.size() > most) std::cerr << "shadowcut: " << file << ": ... and " << issues.size() - most << " more: see inspect\n";
 }
 
+Alignment alignment_of(const Scene& scene) {
+  Alignment all;
+  for (const Object& o : scene.objects()) {
+    all.facets += o.aligned;
+    all.by = std::max(all.by, o.aligned_by);
+  }
+  return all;
+}
+
+std::string sentence(const Alignment& alignment) {
+  if (alignment.facets == 0) return {};
+  return std::to_string(alignment.facets) + " facets put into a plane common with others, at most " + significant(alignment.by) +
+         " from where they were\n";
+}
+
 std::string Table::text() const {
   std::vector<std::size_t> widths(rows_.front().size(), 0);
   for (const auto& row : rows_)

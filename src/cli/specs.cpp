@@ -94,6 +94,13 @@ io::View parse_view(const std::string& spec, const Scene& scene) {
   throw Error("--svg: '" + spec + "' is none of plan, plan:HEIGHT, OBJECT:FACE of this scene, ex,ey,ez,tx,ty,tz[,fov]");
 }
 
+double parse_share(const std::string& option, const std::string& text) {
+  const auto numbers = parse_numbers(text);
+  if (!numbers || numbers->size() != 1 || numbers->front() < 0 || numbers->front() > 1)
+    throw Error(option + ": '" + text + "' is no number from 0 to 1");
+  return numbers->front();
+}
+
 Vec3 parse_axis(const std::string& name) { return name == "x" ? Vec3::UnitX() : name == "y" ? Vec3::UnitY() : Vec3::UnitZ(); }
 
 const std::map<std::string, Kernel>& kernels() {

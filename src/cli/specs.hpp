@@ -1,4 +1,4 @@
-// What the program's arguments say in small languages of their own: lights and drawings.
+// What the program's arguments say in small languages of their own: lights, drawings, and some numbers.
 #pragma once
 
 #include <map>
@@ -19,6 +19,9 @@ io::View parse_view(const std::string& spec, const Scene& scene);
 // The kernels by their names, and back.
 const std::map<std::string, Kernel>& kernels();
 const char* kernel_name(Kernel kernel);
+
+// A number from 0 to 1.
+double parse_share(const std::string& option, const std::string& text);
 
 // x, y or z.
 Vec3 parse_axis(const std::string& name);

@@ -3,12 +3,16 @@
 #include "door.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <numeric>
+#include <tuple>
 
 #include "convex.hpp"
+#include "coplanar.hpp"
 #include "id_table.hpp"
 
 namespace shadowcut {
@@ -89,9 +93,9 @@ Vec2 flattened(const Vec3& v, const Vec3& normal) {
 
 class Door {
  public:
-  Door(const Mesh& mesh, const Pose& pose, double tolerance) : mesh_(mesh), tolerance_(tolerance) {
+  Door(const Mesh& mesh, const Pose& pose, const Tolerances& tolerances) : mesh_(mesh), pose_(pose), tolerances_(tolerances) {
     mirrored_ = pose.linear().determinant() < 0;
-    weld(pose);
+    weld();
   }
 
   Admitted run() {
@@ -131,18 +135,20 @@ class Door {
       }
     }
     decide_sides();
-    return {std::move(vertices), std::move(planes),    std::move(facets), std::move(corners),
-            std::move(edges),    std::move(faces),     std::move(issues), closed,
-            signed_volume,       std::move(vertex_of_)};
+    share_planes();
+    return {std::move(vertices), std::move(planes),     std::move(facets),  std::move(corners),
+            std::move(edges),    std::move(faces),      std::move(issues),  closed,
+            signed_volume,       std::move(vertex_of_), std::move(origins), aligned,
+            aligned_by};
   }
 
  private:
-  void weld(const Pose& pose) {
+  void weld() {
     const std::size_t n = mesh_.vertices.size();
     vertex_of_.resize(n);
     IdTable table(n);
     for (std::size_t i = 0; i < n; ++i) {
-      const Vec3 v = world(pose, mesh_.vertices[i]);
+      const Vec3 v = world(pose_, mesh_.vertices[i]);
       const auto next = static_cast<std::uint32_t>(vertices.size());
       if (!v.allFinite()) {
         vertex_of_[i] = none;
@@ -151,7 +157,7 @@ class Door {
       const auto id = table.find_or_add(
           hash_position(v), next, [&](std::uint32_t j) { return vertices[j] == v; },
           [&](std::uint32_t j) { return hash_position(vertices[j]); });
-      if (id == next) vertices.push_back(v);
+      if (id == next) vertices.push_back(v), local_.push_back(mesh_.vertices[i]);
       vertex_of_[i] = id;
     }
   }
@@ -207,7 +213,7 @@ class Door {
         back.push_back(v);
       }
     }
-    const bool is_flat = whole.plane.flatness <= tolerance_ * whole.diameter;
+    const bool is_flat = whole.plane.flatness <= tolerances_.flatness * whole.diameter;
     for (const Loop& l : loops_) {  // out and back along one edge: nothing that a bridge to a hole would do
       for (std::size_t i = 0; i < l.size(); ++i) {
         if (l[i] == l[(i + 2) % l.size()]) return report(f, Reason::self_intersecting, "it turns back on itself");
@@ -326,11 +332,66 @@ class Door {
     closed = closed && any;
   }
 
+  // Which faces were meant to lie in one plane is asked of the mesh as it was given, so that no motion of the object changes it. Only a
+  // pose that distorts may turn apart what is nearly one.
+  void share_planes() {
+    std::vector<Patch> patches;
+    for (std::uint32_t k = 0; k < facets.size(); ++k) {
+      if (k == 0 || facets[k].plane != facets[k - 1].plane) patches.push_back({k, k});
+      patches.back().end_facet = k + 1;
+    }
+    std::vector<Plane> own;
+    for (const Patch& p : patches) own.push_back(planes[facets[p.first_facet].plane]);
+    std::vector<Membership> members(patches.size());
+    for (std::uint32_t i = 0; i < members.size(); ++i) members[i] = {i, false};
+    if (tolerances_.coplanarity > 0) {
+      members = find_groups({facets, corners, local_}, patches, tolerances_.coplanarity, tolerances_.flatness / distortion());
+    }
+    const std::vector<Plane> common = common_planes({facets, corners, vertices}, patches, own, members);
+
+    std::vector<std::uint32_t> size(patches.size(), 0);  // of groups, by leader
+    for (const Membership& m : members) ++size[m.leader];
+    planes.clear();
+    std::map<std::tuple<std::uint32_t, bool, int>, std::uint32_t> shared;
+    for (std::uint32_t i = 0; i < patches.size(); ++i) {
+      const auto next = static_cast<std::uint32_t>(planes.size());
+      std::uint32_t plane = next;
+      if (size[members[i].leader] > 1) {
+        // A light nearer to a plane than its tilt sees it edge-on: what is much narrower must not say so for the rest.
+        const double wider = common[i].tilt / common[members[i].leader].tilt;
+        const int narrowness = std::max(std::ilogb(wider), 0) / 6;
+        plane = shared.emplace(std::tuple(members[i].leader, members[i].opposite, narrowness), next).first->second;
+      }
+      if (plane == next) {
+        planes.push_back(common[i]);
+        origins.push_back({patches[members[i].leader].first_facet, members[i].opposite});
+      }
+      planes[plane].tilt = std::max(planes[plane].tilt, common[i].tilt);
+      for (std::uint32_t k = patches[i].first_facet; k < patches[i].end_facet; ++k) facets[k].plane = plane;
+      note_alignment(patches[i], common[i], own[i]);
+    }
+  }
+
+  void note_alignment(const Patch& patch, const Plane& plane, const Plane& own) {
+    if (same_plane(plane, own)) return;
+    aligned += patch.end_facet - patch.first_facet;
+    aligned_by = std::max(aligned_by, distance_from(plane, {facets, corners, vertices}, patch));
+  }
+
+  // The most by which the pose can change an angle: 1 when it is rigid.
+  double distortion() const {
+    const auto scales = Eigen::JacobiSVD<Eigen::Matrix3d>(pose_.linear()).singularValues();
+    const double ratio = scales[0] / scales[2];
+    return ratio < 1 + 1e-9 ? 1 : ratio;
+  }
+
   const Mesh& mesh_;
-  double tolerance_;
+  const Pose& pose_;
+  Tolerances tolerances_;
   bool mirrored_;
-  std::vector<Vec3> vertices;
+  std::vector<Vec3> vertices, local_;  // local_: as they were given
   std::vector<Plane> planes;
+  std::vector<PlaneOrigin> origins;
   std::vector<Facet> facets;
   std::vector<Corner> corners;
   std::vector<Edge> edges;
@@ -338,16 +399,40 @@ class Door {
   std::vector<Issue> issues;
   bool closed = true;
   double signed_volume = 0;
+  std::uint32_t aligned = 0;
+  double aligned_by = 0;
   std::vector<std::uint32_t> vertex_of_;               // of the mesh -> welded; none: not finite
   std::vector<Loop> loops_;                            // of the face at hand
   std::vector<Vec2> points_;                           // of the face at hand, flattened
   std::vector<std::uint32_t> outline_, outline_face_;  // directed edges of the kept outlines; where each face's begin
 };
 
+// The planes of an object whose faces are one facet each.
+void carry_planes(const Figure& figure, std::vector<Plane>& own, std::span<const PlaneOrigin> origins, std::uint32_t first_plane,
+                  std::vector<Plane>& out) {
+  std::vector<Patch> patches;
+  std::vector<Membership> members;
+  bool shared = false;
+  for (std::uint32_t k = 0; k < own.size(); ++k) {
+    const PlaneOrigin& origin = origins[figure.facets[k].plane - first_plane];
+    patches.push_back({k, k + 1});
+    members.push_back({origin.facet, origin.opposite});
+    shared = shared || origin.facet != k;
+  }
+  if (shared) own = common_planes(figure, patches, own, members);
+  out.assign(origins.size(), Plane{});
+  for (std::uint32_t k = 0; k < own.size(); ++k) {
+    Plane& plane = out[figure.facets[k].plane - first_plane];
+    const double tilt = std::max(plane.tilt, own[k].tilt);
+    plane = own[k];
+    plane.tilt = tilt;
+  }
+}
+
 }  // namespace
 
-bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of, const Pose& to, double tolerance, const Scene& scene,
-           const Object& object, Carried& out) {
+bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of, std::span<const PlaneOrigin> origins, const Pose& to,
+           const Tolerances& tolerances, const Scene& scene, const Object& object, std::uint32_t first_plane, Carried& out) {
   const Eigen::Matrix3d turn = to.linear() * object.pose.linear().inverse();
   if (!((turn.transpose() * turn - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-9) || !(turn.determinant() > 0)) return false;
   out.vertices.resize(object.vertex_count);
@@ -367,7 +452,7 @@ bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of, const Pos
     if (apart.find_or_add(hash_position(out.vertices[i]), i, same, [&](std::uint32_t j) { return hash_position(out.vertices[j]); }) != i)
       return false;
   }
-  out.planes.clear();
+  std::vector<Plane> own;  // by facet, which is by face here
   out.areas.clear();
   struct One {  // of a facet's loop, as the only one
     std::vector<std::uint32_t> loop;
@@ -385,7 +470,7 @@ bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of, const Pos
     const Fit fit = fit_plane(loops, [&](std::uint32_t v) -> const Vec3& { return out.vertices[v]; });
     if (fit.zero || !std::isfinite(fit.diameter) || !std::isfinite(fit.area)) return false;
     const std::size_t n = loops.loop.size();
-    if (n > 3 && !(fit.plane.flatness <= tolerance * fit.diameter)) return false;
+    if (n > 3 && !(fit.plane.flatness <= tolerances.flatness * fit.diameter)) return false;
     points.clear(), order.clear();
     for (std::size_t i = 0; i < n; ++i) {
       if (out.vertices[loops.loop[i]] == out.vertices[loops.loop[(i + 1) % n]]) return false;
@@ -393,12 +478,14 @@ bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of, const Pos
       order.push_back(static_cast<std::uint32_t>(i));
     }
     if (!is_convex(points, order)) return false;
-    out.planes.push_back(fit.plane);
+    own.push_back(fit.plane);
     out.areas.push_back(fit.area);
   }
+  const auto facets = scene.facets().subspan(object.first_facet, object.facet_count);
+  carry_planes({facets, scene.corners(), out.vertices, object.first_vertex}, own, origins, first_plane, out.planes);
   return true;
 }
 
-Admitted admit(const Mesh& mesh, const Pose& pose, double tolerance) { return Door(mesh, pose, tolerance).run(); }
+Admitted admit(const Mesh& mesh, const Pose& pose, const Tolerances& tolerances) { return Door(mesh, pose, tolerances).run(); }
 
 }  // namespace shadowcut

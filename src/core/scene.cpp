@@ -71,6 +71,7 @@ struct Scene::Source {
   Mesh mesh;
   Sides sides;                           // as asked for
   std::vector<std::uint32_t> vertex_of;  // see Admitted
+  std::vector<PlaneOrigin> origins;      // likewise
 };
 
 namespace {
@@ -182,7 +183,7 @@ std::vector<std::uint32_t> Scene::changed_since(std::uint64_t revision) const {
 
 // Puts an object through the door, into room that fits. An exception leaves the scene as it was.
 void Scene::admit(std::uint32_t index, std::shared_ptr<const Source> source, const ObjectSettings& settings) {
-  Admitted in = shadowcut::admit(source->mesh, settings.pose, flatness_tolerance);
+  Admitted in = shadowcut::admit(source->mesh, settings.pose, {flatness_tolerance, coplanarity_tolerance});
   const std::uint32_t counts[6] = {count_of(in.vertices), count_of(in.edges),   count_of(in.planes),
                                    count_of(in.facets),   count_of(in.corners), count_of(in.faces)};
   try {
@@ -191,7 +192,7 @@ void Scene::admit(std::uint32_t index, std::shared_ptr<const Source> source, con
     throw Error("object '" + settings.name + "': " + e.what());
   }
   reserve_more(issues_, in.issues.size());
-  auto with_map = std::make_shared<Source>(Source{source->mesh, settings.sides, std::move(in.vertex_of)});
+  auto with_map = std::make_shared<Source>(Source{source->mesh, settings.sides, std::move(in.vertex_of), std::move(in.origins)});
   decltype(free_rooms_) given_up;  // memory for that comes first, too
   if (slots_[index].room != none) given_up.emplace(rooms_[slots_[index].room].count[corner_array], slots_[index].room);
   std::string name = settings.name;
@@ -220,6 +221,7 @@ void Scene::admit(std::uint32_t index, std::shared_ptr<const Source> source, con
   o.first_facet = facet0, o.facet_count = counts[facet_array];
   o.first_edge = edge0, o.edge_count = counts[edge_array];
   o.signed_volume = in.signed_volume;
+  o.aligned = in.aligned, o.aligned_by = in.aligned_by;
   o.pose = settings.pose;
   o.alive = true;
   std::copy(in.vertices.begin(), in.vertices.end(), vertices_.begin() + vertex0);
@@ -249,7 +251,7 @@ void Scene::admit(std::uint32_t index, std::shared_ptr<const Source> source, con
 
 ObjectId Scene::add(const Mesh& mesh, const ObjectSettings& settings) {
   check_pose(settings.pose, settings.name);
-  auto source = std::make_shared<const Source>(Source{mesh, settings.sides, {}});
+  auto source = std::make_shared<const Source>(Source{mesh, settings.sides, {}, {}});
   const bool fresh = free_objects_.empty();
   const std::uint32_t index = fresh ? count_of(objects_) : free_objects_.back();
   if (fresh) {
@@ -305,13 +307,12 @@ Edit Scene::set_pose(ObjectId id, const Pose& pose) {
   Object& o = objects_[id.index];
   check_pose(pose, o.name);
   const std::shared_ptr<const Source> source = slots_[id.index].source;
-  if (Carried carried; carry(source->mesh, source->vertex_of, pose, flatness_tolerance, *this, o, carried)) {
+  const std::uint32_t first_plane = rooms_[slots_[id.index].room].first[plane_array];
+  const Tolerances tolerances{flatness_tolerance, coplanarity_tolerance};
+  if (Carried carried; carry(source->mesh, source->vertex_of, source->origins, pose, tolerances, *this, o, first_plane, carried)) {
     std::copy(carried.vertices.begin(), carried.vertices.end(), vertices_.begin() + o.first_vertex);
-    for (std::uint32_t f = 0; f < o.face_count; ++f) {
-      Face& face = faces_[o.first_face + f];
-      face.area = carried.areas[f];
-      planes_[facets_[face.first_facet].plane] = carried.planes[f];
-    }
+    std::copy(carried.planes.begin(), carried.planes.end(), planes_.begin() + first_plane);
+    for (std::uint32_t f = 0; f < o.face_count; ++f) faces_[o.first_face + f].area = carried.areas[f];
     o.pose = pose;
     touch(id.index);
   } else {
@@ -328,7 +329,7 @@ Edit Scene::set_vertices(ObjectId id, std::span<const Vec3> local) {
     throw Error("object '" + o.name + "': its mesh has " + std::to_string(old.mesh.vertices.size()) + " vertices, and " +
                 std::to_string(local.size()) + " were given");
   }
-  Source changed{old.mesh, old.sides, {}};
+  Source changed{old.mesh, old.sides, {}, {}};
   changed.mesh.vertices.assign(local.begin(), local.end());
   admit(id.index, std::make_shared<const Source>(std::move(changed)), {o.name, o.pose, old.sides, o.casts, o.receives, o.moves});
   return Edit::done;

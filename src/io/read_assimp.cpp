@@ -157,7 +157,7 @@ class Builder {
   const aiScene& file_;
   const std::string path_;
   const ReadOptions& options_;
-  Scene scene_;
+  Scene scene_ = empty_scene(options_);
   std::vector<Place> places_;
   std::map<std::string, unsigned> bearers_;  // by node name, how many nodes with meshes have it
   std::map<std::string, unsigned> used_;

@@ -93,7 +93,7 @@ class Collector {
   }
 
   Scene scene(const ReadOptions& options) const {
-    Scene scene;
+    Scene scene = empty_scene(options);
     for (const Part& part : parts_) {
       ObjectSettings settings;
       settings.name = part.name;

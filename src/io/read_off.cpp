@@ -83,7 +83,7 @@ Scene read_off(std::string_view text, const std::string& name, const ReadOptions
   settings.name = stem_of(name);
   settings.sides = options.sides;
   const Mesh mesh = Reader(text, name).read();
-  Scene scene;
+  Scene scene = empty_scene(options);
   if (mesh.face_count() > 0) scene.add(mesh, settings);
   return scene;
 }

@@ -244,7 +244,7 @@ Scene read_ply(std::string_view bytes, const std::string& name, const ReadOption
   settings.name = stem_of(name);
   settings.sides = options.sides;
   const Mesh mesh = Reader(bytes, name).read();
-  Scene scene;
+  Scene scene = empty_scene(options);
   if (mesh.face_count() > 0) scene.add(mesh, settings);
   return scene;
 }

@@ -24,6 +24,12 @@ std::string stem_of(const std::string& path) {
   return stem.empty() ? "default" : stem;
 }
 
+Scene empty_scene(const ReadOptions& options) {
+  Scene scene;
+  scene.coplanarity_tolerance = options.coplanarity_tolerance;
+  return scene;
+}
+
 Scene read_scene(const std::string& path, const ReadOptions& options) {
   Scene scene = read_by_extension(path, options);
   if (scene.faces().empty()) throw Error(path + ": no faces");

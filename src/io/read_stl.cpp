@@ -92,7 +92,7 @@ Scene read_stl(std::string_view bytes, const std::string& name, const ReadOption
   std::vector<Solid> solids;
   if (is_binary(bytes)) solids.push_back(read_binary(bytes, name));
   else solids = read_text(bytes, name);
-  Scene scene;
+  Scene scene = empty_scene(options);
   for (const Solid& solid : solids) {
     ObjectSettings settings;
     settings.name = solid.name;

@@ -12,6 +12,9 @@ namespace shadowcut::io {
 // The file's name without folder and extension: the name of the one object of a format without names.
 std::string stem_of(const std::string& path);
 
+// A scene for a reader to fill.
+Scene empty_scene(const ReadOptions& options);
+
 // Corner index that is out of range in every mesh.
 inline constexpr std::uint32_t bad_index = none;
 

@@ -1,0 +1,452 @@
+// Faces that were meant to lie in one plane: which of them get one, that motions change nothing of it, that they then do not cross.
+#include "coplanar.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "check.hpp"
+#include "exact_checks.hpp"
+#include "random_scenes.hpp"
+
+namespace shadowcut::testing {
+namespace {
+
+using scenes::append;
+using scenes::Random;
+using scenes::rectangle;
+
+Eigen::Quaterniond random_turn(Random& random) {
+  Eigen::Quaterniond q(random.in(-1, 1), random.in(-1, 1), random.in(-1, 1), random.in(-1, 1));
+  return q.norm() > 0.1 ? q.normalized() : Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5);
+}
+
+// As a file holds a model that was turned before it was written: every coordinate rounded by itself.
+Mesh turned(Mesh mesh, const Eigen::Quaterniond& q, const Vec3& shift = Vec3::Zero()) {
+  for (Vec3& v : mesh.vertices) v = q * v + shift;
+  return mesh;
+}
+
+// A rectangle laid in bricks, n rows of n, every other row but the last shifted by half a brick: corners in the middle of edges.
+Mesh bricks(const Vec3& corner, const Vec3& u, const Vec3& v, unsigned n) {
+  Mesh mesh;
+  for (unsigned row = 0; row < n; ++row) {
+    double from = 0;
+    for (unsigned k = 0; from < n; ++k) {
+      const double to = std::min<double>(n, from + (k == 0 && row % 2 == 1 && row + 1 < n ? 0.5 : 1));
+      append(mesh, rectangle(corner + u * (from / n) + v * (row / static_cast<double>(n)), u * ((to - from) / n), v / n));
+      from = to;
+    }
+  }
+  return mesh;
+}
+
+// The cube's sides: from a corner, along two edges, the front outward.
+struct Side {
+  Vec3 corner, u, v;
+};
+const std::vector<Side> cube_sides = {{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}, {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}},
+                                      {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}},
+                                      {{0, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+// A cube, each side n x n bricks (n a power of two: then bricks of two sides have the same corners on their common edge), and a poster over
+// their middle, which overlaps them. Faces of a side come together.
+Mesh brick_cube(unsigned n) {
+  Mesh mesh;
+  for (const Side& s : cube_sides) {
+    append(mesh, bricks(s.corner, s.u, s.v, n));
+    append(mesh, rectangle(s.corner + 0.23 * s.u + 0.31 * s.v, 0.41 * s.u, 0.37 * s.v));
+  }
+  return mesh;
+}
+Mesh plain_cube() {
+  Mesh mesh;
+  for (const Side& s : cube_sides) append(mesh, rectangle(s.corner, s.u, s.v));
+  return mesh;
+}
+
+Scene scene_of(const Mesh& mesh, double tolerance = default_coplanarity, const Pose& pose = Pose::Identity(),
+               Sides sides = Sides::automatic) {
+  Scene scene;
+  scene.coplanarity_tolerance = tolerance;
+  ObjectSettings settings;
+  settings.pose = pose;
+  settings.sides = sides;
+  scene.add(mesh, settings);
+  return scene;
+}
+
+const Plane& plane_of(const Scene& scene, std::size_t facet) { return scene.planes()[scene.facets()[facet].plane]; }
+
+// Up to its side, and with the same digits.
+bool one_plane(const Plane& p, const Plane& q) {
+  return p.point == q.point && p.flatness == q.flatness &&
+         ((p.normal == q.normal && p.exact_normal == q.exact_normal) || (p.normal == -q.normal && p.exact_normal == -q.exact_normal));
+}
+
+std::size_t count_planes(const Scene& scene) {
+  std::vector<const Plane*> seen;
+  for (std::size_t f = 0; f < scene.facets().size(); ++f) {
+    if (scene.facets()[f].corner_count == 0) continue;
+    const Plane& p = plane_of(scene, f);
+    if (std::none_of(seen.begin(), seen.end(), [&](const Plane* q) { return one_plane(*q, p); })) seen.push_back(&p);
+  }
+  return seen.size();
+}
+
+std::vector<std::uint32_t> plane_indices(const Scene& scene) {
+  std::vector<std::uint32_t> all;
+  for (const Facet& f : scene.facets()) all.push_back(f.plane);
+  return all;
+}
+
+// Every facet's corners are within its plane's flatness.
+void expect_flat(const Scene& scene) {
+  for (const Facet& f : scene.facets()) {
+    const Plane& p = scene.planes()[f.plane];
+    for (const Corner& c : scene.corners_of(f)) ASSERT_LE(std::abs(p.normal.dot(scene.vertices()[c.vertex] - p.point)), p.flatness);
+  }
+}
+
+TEST(Coplanar, SidesOfATurnedCubeAreSixPlanes) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    Random random(seed);
+    const Mesh mesh = turned(brick_cube(16), random_turn(random), random.in_cube(-3, 3));
+    const Scene scene = scene_of(mesh);
+    EXPECT_EQ(scene.planes().size(), 6u) << "seed " << seed;
+    EXPECT_EQ(count_planes(scene), 6u) << "seed " << seed;
+    EXPECT_GT(scene.objects()[0].aligned, scene.facets().size() / 2) << "seed " << seed;
+    EXPECT_LT(scene.objects()[0].aligned_by, 1e-14) << "seed " << seed;
+    expect_flat(scene);
+  }
+}
+
+TEST(Coplanar, ExactPlanesStayWhatTheyAre) {
+  const Scene scene = scene_of(brick_cube(8));
+  EXPECT_EQ(count_planes(scene), 6u);
+  EXPECT_EQ(scene.objects()[0].aligned, 0u);
+  for (const Plane& p : scene.planes()) EXPECT_EQ(p.flatness, 0);
+  // On a grid, and not along its axes.
+  const Scene tilted = scene_of(bricks({0, 0, 0}, {8, 0, 24}, {0, 8, -16}, 8));
+  EXPECT_EQ(count_planes(tilted), 1u);
+  EXPECT_EQ(tilted.objects()[0].aligned, 0u);
+}
+
+TEST(Coplanar, SwitchedOffEveryFaceHasItsOwnPlane) {
+  Random random(7);
+  const Scene scene = scene_of(turned(brick_cube(8), random_turn(random)), 0);
+  EXPECT_EQ(scene.planes().size(), scene.facets().size());
+  EXPECT_EQ(scene.objects()[0].aligned, 0u);
+  EXPECT_EQ(scene.objects()[0].aligned_by, 0);
+}
+
+TEST(Coplanar, BothSidesOfASheet) {
+  Random random(3);
+  Mesh mesh = bricks({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 5);
+  append(mesh, bricks({0.1, 0.1, 0}, {0, 0.7, 0}, {0.7, 0, 0}, 5));
+  const Scene scene = scene_of(turned(mesh, random_turn(random), {1, 2, 3}));
+  ASSERT_EQ(scene.planes().size(), 2u);
+  const Plane &front = scene.planes()[0], &back = scene.planes()[1];
+  EXPECT_TRUE(one_plane(front, back));
+  EXPECT_EQ(front.normal, -back.normal);
+  for (std::size_t f = 0; f < scene.facets().size(); ++f) {
+    const auto c = scene.corners_of(scene.facets()[f]);
+    const auto at = [&](std::size_t i) { return scene.vertices()[c[i].vertex]; };
+    EXPECT_GT((at(1) - at(0)).cross(at(2) - at(0)).dot(plane_of(scene, f).normal), 0);
+  }
+}
+
+// Each strip lies in its neighbours' planes within the tolerance, and they in theirs.
+TEST(Coplanar, CurvedSheetIsNotOnePlane) {
+  constexpr double tolerance = 1e-12, bend = 1e-9;
+  Mesh mesh;
+  for (unsigned i = 0; i < 1000; ++i) {
+    const double x = i / 1000.0, y = (i + 1) / 1000.0;
+    append(mesh, rectangle({x, 0, bend * x * x}, {y - x, 0, bend * (y * y - x * x)}, {0, 1, 0}));
+  }
+  const Scene scene = scene_of(mesh);
+  EXPECT_GT(scene.planes().size(), 10u);
+  EXPECT_LT(scene.planes().size(), 60u);
+  for (const Plane& p : scene.planes()) EXPECT_LT(p.flatness, 2 * tolerance);
+  EXPECT_LT(scene.objects()[0].aligned_by, 2 * tolerance);
+  expect_flat(scene);
+}
+
+TEST(Coplanar, StepsAreToldFromTreads) {
+  Mesh mesh;  // sheets one upon another, thrice the tolerance apart, and a second sheet in each plane
+  for (unsigned i = 0; i < 500; ++i) {
+    append(mesh, rectangle({0, 0, 3e-12 * i}, {1, 0, 0}, {0, 1, 0}));
+    append(mesh, rectangle({0.5, 0.25, 3e-12 * i + (i % 2 == 0 ? 4e-13 : 0)}, {0.25, 0, 0}, {0, 0.25, 0}));
+  }
+  const Scene scene = scene_of(mesh);
+  EXPECT_EQ(count_planes(scene), 500u);
+  for (std::uint32_t i = 0; i < 500; ++i) EXPECT_EQ(scene.facets()[2 * i].plane, scene.facets()[2 * i + 1].plane);
+  EXPECT_EQ(scene.objects()[0].aligned, 250u);
+}
+
+TEST(Coplanar, TinyFaceAcrossAPlaneKeepsItsOwn) {
+  Mesh mesh = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  append(mesh, rectangle({0.25, 0.25, 0}, {0.5, 0, 0}, {0, 0, 1e-13}));   // a fin
+  append(mesh, rectangle({0.5, 0.75, 0}, {1e-13, 0, 0}, {0, 0, 1e-13}));  // a speck
+  const Scene scene = scene_of(mesh);
+  ASSERT_EQ(scene.facets().size(), 3u);
+  EXPECT_EQ(count_planes(scene), 3u);
+  EXPECT_EQ(scene.objects()[0].aligned, 0u);
+}
+
+// One plane, but not one doubt about how it stands.
+TEST(Coplanar, NarrowFaceDoesNotBlurAWall) {
+  Random random(5);
+  Mesh mesh = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  append(mesh, rectangle({0, 1, 0}, {1, 0, 0}, {0, 1e-8, 0}));
+  const Scene scene = scene_of(turned(mesh, random_turn(random)));
+  EXPECT_EQ(count_planes(scene), 1u);
+  ASSERT_EQ(scene.planes().size(), 2u);
+  EXPECT_LT(plane_of(scene, 0).tilt, 1e-14);
+  EXPECT_GT(plane_of(scene, 1).tilt, 1e-9);
+}
+
+TEST(Coplanar, DistortingPoseSharesNoMoreThanItKeepsFlat) {
+  Mesh mesh = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  append(mesh, rectangle({1, 0, 5e-13}, {1, 0, 0}, {0, 1, 0}));
+  EXPECT_EQ(count_planes(scene_of(mesh)), 1u);
+  EXPECT_EQ(count_planes(scene_of(mesh, default_coplanarity, Pose(Eigen::Scaling(1e9)))), 1u);
+  EXPECT_EQ(count_planes(scene_of(mesh, default_coplanarity, Pose(Eigen::Scaling(1.0, 1.0, 1e9)))), 2u);
+}
+
+TEST(Coplanar, AnyMagnitude) {
+  for (const double size : {1e-150, 1e-30, 1e-9, 1.0, 1e9, 1e30, 1e150}) {
+    Random random(9);
+    Mesh mesh = turned(brick_cube(4), random_turn(random));
+    for (Vec3& v : mesh.vertices) v *= size;
+    EXPECT_EQ(count_planes(scene_of(mesh)), 6u) << size;
+  }
+  for (const double shift : {1e3, 1e5, 1e7}) {  // coordinates keep fewer and fewer digits
+    Random random(9);
+    const Scene scene = scene_of(turned(brick_cube(4), random_turn(random), {shift, -shift, 0.3 * shift}));
+    EXPECT_TRUE(scene.issues().empty()) << shift;
+    EXPECT_EQ(count_planes(scene), 6u) << shift;
+  }
+}
+
+// The same groups as asking every leader.
+TEST(Coplanar, GroupsAreThoseOfASearchOfAll) {
+  constexpr double tolerance = 1e-12, most_turn = 1e-6;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    Random random(seed);
+    Mesh mesh;
+    const std::size_t planes = 1 + random.below(6);
+    std::vector<Eigen::Quaterniond> turns;
+    for (std::size_t p = 0; p < planes; ++p) turns.push_back(p > 0 && random.below(2) == 0 ? turns.back() : random_turn(random));
+    for (std::size_t f = 0; f < 60; ++f) {
+      const std::size_t p = random.below(planes);
+      const double size = std::exp(random.in(-20, 0)), width = size * std::exp(random.in(-12, 0));
+      const double off = random.below(2) == 0 ? 0 : random.in(-3, 3) * 1e-12;
+      Mesh face = rectangle({random.in(-1, 1), random.in(-1, 1), 0.1 * static_cast<double>(p) + off}, {size, 0, 0}, {0, width, 0});
+      append(mesh, turned(face, turns[p] * (random.below(2) == 0 ? Eigen::Quaterniond(0, 1, 0, 0) : Eigen::Quaterniond::Identity())));
+    }
+    const Scene scene = scene_of(mesh, 0);
+    std::vector<Patch> patches;
+    for (std::uint32_t f = 0; f < scene.facets().size(); ++f) patches.push_back({f, f + 1});
+    const Figure figure{scene.facets(), scene.corners(), scene.vertices()};
+    const std::vector<Membership> groups = find_groups(figure, patches, tolerance, most_turn);
+
+    double largest = 0;
+    for (const Vec3& v : scene.vertices()) largest = std::max(largest, v.cwiseAbs().maxCoeff());
+    for (std::uint32_t f = 0; f < patches.size(); ++f) {
+      const auto c = scene.corners_of(scene.facets()[f]);
+      double area = scene.faces()[scene.facets()[f].face].area, outline = 0;
+      for (std::size_t i = 0; i < c.size(); ++i)
+        outline += (scene.vertices()[c[i].vertex] - scene.vertices()[c[(i + 1) % c.size()].vertex]).norm();
+      const double reach = std::min(tolerance * largest, most_turn * area / outline);
+      const double off = distance_from(plane_of(scene, groups[f].leader), figure, patches[f]);
+      EXPECT_EQ(groups[groups[f].leader].leader, groups[f].leader);
+      EXPECT_TRUE(groups[f].leader == f || off <= reach * (1 + 1e-9) + 1e-15) << "seed " << seed << ", face " << f;
+      if (groups[f].leader != f || 8 * 0x1p-53 * outline > 1e-6 * area / outline) continue;
+      for (std::uint32_t g = 0; g < patches.size(); ++g) {  // a leader, though a larger one would have taken it?
+        if (groups[g].leader != g || scene.faces()[scene.facets()[g].face].area <= area * (1 + 1e-9)) continue;
+        const auto d = scene.corners_of(scene.facets()[g]);
+        double round = 0;
+        for (std::size_t i = 0; i < d.size(); ++i)
+          round += (scene.vertices()[d[i].vertex] - scene.vertices()[d[(i + 1) % d.size()].vertex]).norm();
+        if (8 * 0x1p-53 * round > 0.9e-6 * scene.faces()[scene.facets()[g].face].area / round) continue;  // splinters do not lead
+        EXPECT_GT(distance_from(plane_of(scene, g), figure, patches[f]), reach * (1 - 1e-9) - 1e-15)
+            << "seed " << seed << ", faces " << f << ", " << g;
+      }
+    }
+  }
+}
+
+TEST(Coplanar, MotionsChangeNothing) {
+  for (const bool concave : {false, true}) {  // with a concave face an object goes through all of the door's checks again
+    Random random(11);
+    Mesh mesh = turned(brick_cube(8), random_turn(random), {0.5, 0.25, 0.125});
+    append(mesh, rectangle({3, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+    append(mesh, rectangle({4, 0, 9e-13}, {1, 0, 0}, {0, 1, 0}));  // near the limit
+    if (concave) {
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      for (const Vec3& v : {Vec3(6, 0, 0), Vec3(9, 0, 0), Vec3(9, 3, 0), Vec3(8, 1, 0)}) mesh.vertices.push_back(v);
+      mesh.add_face({first, first + 1, first + 2, first + 3});
+    }
+    Scene scene = scene_of(mesh);
+    ASSERT_EQ(scene.issues().size(), 0u);
+    const std::vector<std::uint32_t> before = plane_indices(scene);
+    EXPECT_EQ(scene.facets()[before.size() - (concave ? 3 : 1)].plane, scene.facets()[before.size() - (concave ? 4 : 2)].plane);
+    const std::uint32_t aligned = scene.objects()[0].aligned;
+    Pose pose = Pose::Identity();
+    for (unsigned k = 0; k < 1000; ++k) {
+      pose = Eigen::Translation3d(random.in_cube(-1, 1)) * Pose(random_turn(random)) * pose;
+      ASSERT_EQ(scene.set_pose(scene.object_id(0), pose), Edit::done);
+      ASSERT_EQ(plane_indices(scene), before) << "motion " << k;
+      if (k % 50 == 0) expect_flat(scene);
+      for (const Plane& p : scene.planes()) ASSERT_LT(p.flatness, 2e-12) << "motion " << k;
+    }
+    ASSERT_EQ(scene.set_pose(scene.object_id(0), Pose::Identity()), Edit::done);
+    const Scene fresh = scene_of(mesh);
+    EXPECT_EQ(plane_indices(fresh), before);
+    EXPECT_EQ(scene.objects()[0].aligned, aligned);
+    for (std::size_t p = 0; p < fresh.planes().size(); ++p) EXPECT_TRUE(one_plane(fresh.planes()[p], scene.planes()[p])) << p;
+  }
+}
+
+TEST(Coplanar, FrontAndBackStayOnePlane) {
+  Random random(19);
+  Mesh mesh = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  append(mesh, rectangle({0.1, 0.2, 0}, {0, 0.7, 0}, {0.3, 0, 0}));
+  Scene scene = scene_of(turned(mesh, random_turn(random), {1, 2, 3}));
+  for (unsigned k = 0; k < 100; ++k) {
+    ASSERT_EQ(scene.set_pose(scene.object_id(0), Pose(random_turn(random))), Edit::done);
+    ASSERT_EQ(scene.planes().size(), 2u);
+    ASSERT_TRUE(one_plane(scene.planes()[0], scene.planes()[1])) << "motion " << k;
+    expect_flat(scene);
+  }
+}
+
+TEST(Coplanar, DeformingDecidesAgain) {
+  Random random(13);
+  const Mesh flat = turned(bricks({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 4), random_turn(random));
+  Scene scene = scene_of(flat);
+  const ObjectId id = scene.object_id(0);
+  EXPECT_EQ(count_planes(scene), 1u);
+  Mesh bent = flat;
+  for (std::size_t i = 0; i < 4; ++i) bent.vertices[i] += 1e-6 * plane_of(scene, 0).normal;  // the first brick's
+  ASSERT_EQ(scene.set_vertices(id, bent.vertices), Edit::done);
+  EXPECT_EQ(count_planes(scene), 2u);
+  Pose pose = Pose(random_turn(random));
+  ASSERT_EQ(scene.set_pose(id, pose), Edit::done);
+  EXPECT_EQ(count_planes(scene), 2u);
+  ASSERT_EQ(scene.set_vertices(id, flat.vertices), Edit::done);
+  EXPECT_EQ(count_planes(scene), 1u);
+}
+
+TEST(Coplanar, PartsOfAFoldedFaceKeepTheirs) {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0.01}, {1, 1, 0}, {0, 1, 0.01}};
+  mesh.add_face({0, 1, 2, 3});
+  const Scene scene = scene_of(mesh);
+  EXPECT_EQ(scene.facets().size(), 2u);
+  EXPECT_EQ(count_planes(scene), 2u);
+}
+
+// The sum of a side's lit areas, where sides have `faces` faces each of which the last lies over others.
+std::vector<double> lit_by_side(const Scene& scene, const Shadows& shadows, bool posters) {
+  const std::uint32_t count = scene.objects()[0].face_count / 6;
+  std::vector<double> lit;
+  for (std::uint32_t side = 0; side < 6; ++side) {
+    double sum = 0;
+    for (std::uint32_t f = side * count; f < (side + 1) * count - (posters ? 1 : 0); ++f) sum += shadows.areas[f].lit;
+    lit.push_back(sum);
+  }
+  return lit;
+}
+
+// A turned cube in bricks below a plate, which shades a part of it.
+struct Shaded {
+  Mesh mesh, plain;
+  Mesh plate = rectangle({-0.6, -0.7, 3}, {1, 0, 0}, {0, 1, 0});
+  Light light;
+  explicit Shaded(std::uint64_t seed, unsigned n = 8) {
+    Random random(seed);
+    const Eigen::Quaterniond q = random_turn(random);
+    mesh = turned(brick_cube(n), q), plain = turned(plain_cube(), q);
+    light = random.below(2) == 0 ? Light::point(random.in_cube(-1, 1) + Vec3(0, 0, 7))
+                                 : Light::directional(random.in_cube(-1, 1) - Vec3(0, 0, 4));
+  }
+  Scene scene(const Mesh& cube, double tolerance, const Pose& pose = Pose::Identity()) const {
+    Scene s = scene_of(cube, tolerance, pose, Sides::closed);
+    s.add(plate, {});
+    return s;
+  }
+};
+
+TEST(CoplanarShadows, BricksOfATurnedCubeDoNotCross) {
+  std::uint64_t crossings_without = 0;
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    const Shaded made(seed);
+    Options options;
+    options.kernel = Kernel::exact;
+    options.constructions = true;
+    const Scene scene = made.scene(made.mesh, default_coplanarity), plain = made.scene(made.plain, default_coplanarity);
+    const Shadows shadows = cast_shadows(scene, made.light, options);
+    EXPECT_EQ(shadows.stats.crossing_lines, 0u) << "seed " << seed;
+    EXPECT_EQ(check_fragments(scene, made.light, shadows), "") << "seed " << seed;
+    const auto lit = lit_by_side(scene, shadows, true), whole = lit_by_side(plain, cast_shadows(plain, made.light, options), false);
+    for (std::size_t side = 0; side < 6; ++side) EXPECT_NEAR(lit[side], whole[side], 1e-12) << "seed " << seed << ", side " << side;
+    if (seed < 3) {
+      const ExactOracle oracle(scene, made.light);
+      ASSERT_TRUE(oracle.defined()) << oracle.why_undefined();
+      EXPECT_EQ(check_exact(oracle, shadows, options.form), "") << "seed " << seed;
+    }
+    crossings_without += cast_shadows(made.scene(made.mesh, 0), made.light, options).stats.crossing_lines;
+  }
+  EXPECT_GT(crossings_without, 1000u);  // so the tolerance did it
+}
+
+// Front and back of one sheet, each in bricks of its own, neither of them shaded by the other.
+TEST(CoplanarShadows, BothSidesOfASheetTouch) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed);
+    Mesh mesh = bricks({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 4);
+    append(mesh, bricks({0.1, 0.2, 0}, {0, 0.7, 0}, {0.6, 0, 0}, 3));
+    mesh = turned(mesh, random_turn(random));
+    Options options;
+    options.kernel = random.below(4) == 0 ? Kernel::fast : Kernel::exact;
+    const Light light = Light::directional(random.in_cube(-1, 1));
+    const Scene scene = scene_of(mesh);
+    const Shadows shadows = cast_shadows(scene, light, options);
+    EXPECT_EQ(shadows.stats.crossing_lines, 0u) << "seed " << seed;
+    EXPECT_NEAR(shadows.stats.lit_area, 1.42, 1e-12) << "seed " << seed;
+    EXPECT_NEAR(shadows.stats.shadowed_area, 0, 1e-12) << "seed " << seed;
+  }
+}
+
+TEST(CoplanarShadows, NorAfterAThousandMotions) {
+  const Shaded made(4, 4);
+  Options options;
+  options.kernel = Kernel::exact;
+  options.threads = 1;
+  Scene scene = made.scene(made.mesh, default_coplanarity);
+  scene.add(made.light);
+  Engine engine(scene, options);
+  engine.update();
+  Random random(17);
+  Pose pose = Pose::Identity();
+  for (unsigned k = 0; k < 1000; ++k) {
+    pose = Eigen::Translation3d(0.05 * random.in_cube(-1, 1)) * Pose(random_turn(random)) * pose;
+    if (pose.translation().norm() > 1) pose.translation() *= 0.5;
+    ASSERT_EQ(scene.set_pose(scene.object_id(0), pose), Edit::done);
+    engine.update();
+    ASSERT_EQ(engine.shadows(0).stats.crossing_lines, 0u) << "motion " << k;
+    if (k % 50 != 49) continue;
+    const Scene plain = made.scene(made.plain, default_coplanarity, pose);
+    const auto lit = lit_by_side(engine.scene(), engine.shadows(0), true),
+               whole = lit_by_side(plain, cast_shadows(plain, made.light, options), false);
+    for (std::size_t side = 0; side < 6; ++side) ASSERT_NEAR(lit[side], whole[side], 1e-12) << "motion " << k << ", side " << side;
+  }
+  ASSERT_EQ(engine.validate(), "");
+}
+
+}  // namespace
+}  // namespace shadowcut::testing
