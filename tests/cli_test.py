@@ -18,10 +18,10 @@ PROGRAM = DATA = None
 MODELS = "/usr/share/assimp/models"
 ROOM_LIGHT = "point:2.61,2.23,2.41"
 
-TOP_KEYS = {"scene", "kernel", "threads", "load_ms", "lights"}
+TOP_KEYS = {"scene", "kernel", "threads", "load_ms", "aligned", "lights"}
 LIGHT_KEYS = {"light", "faces", "facing_faces", "facing_area", "lit_area", "shadowed_area", "lit_fragments", "shadowed_fragments",
               "tree_nodes", "tree_depth", "build_ms", "emit_ms", "predicates", "by_identity", "by_filter", "by_exact"}
-REPLAY_KEYS = {"updates", "rebuild_ms", "max_area_error"}
+REPLAY_KEYS = {"updates", "rebuild_ms", "max_area_error", "aligned"}
 UPDATE_KEYS = {"update", "edits", "update_ms", "fragments_gone", "fragments_new", "lit_area", "tree_nodes", "marked_nodes"}
 AREA_COLUMNS = ["light", "object", "face", "facing", "area", "lit_area", "shadowed_area"]
 
@@ -193,6 +193,28 @@ class Results(Cli):
         self.assertGreater(exact["by_identity"], 0)
         self.assertGreater(exact["by_exact"], 0)
 
+    def test_coplanar_faces_share_a_plane(self):
+        # Nine tiles and a sheet upon them, turned before they were written: each corner is rounded by itself.
+        corners = [(x, y) for x in range(3) for y in range(3)]
+        text, count = "", 0
+        for x, y, w in [(0.3 * x, 0.3 * y, 0.3) for x, y in corners] + [(0.11, 0.17, 0.55)]:
+            for u, v in ((x, y), (x + w, y), (x + w, y + w), (x, y + w)):
+                text += "v %.17g %.17g %.17g\n" % (0.36 * u - 0.8 * v, 0.48 * u + 0.6 * v, 0.8 * u)
+            text += "f %d %d %d %d\n" % tuple(range(count + 1, count + 5))
+            count += 4
+        scene, lit, crossing = self.path("tiles.obj", text), {}, {}
+        for tolerance, more in (("default", ()), ("0", ("--coplanar", "0")), ("1e-13", ("--coplanar", "1e-13"))):
+            listed = json.loads(run("inspect", scene, "--json", "-", *more).stdout)["objects"][0]
+            report = self.cast_json(scene, "--light", "sun:0.3,0.2,-1", "--kernel", "exact", *more)
+            self.assertEqual(report["aligned"], listed["aligned"])
+            self.assertEqual(listed["aligned"] > 0, tolerance != "0")
+            self.assertLess(listed["aligned_by"], 1e-15)
+            lit[tolerance], crossing[tolerance] = report["lights"][0]["lit_area"], report["lights"][0]["stats"]["crossing_lines"]
+        self.assertAlmostEqual(lit["default"], 9 * 0.3 ** 2 + 0.55 ** 2, delta=1e-12)
+        self.assertEqual((crossing["default"], crossing["1e-13"]), (0, 0))
+        self.assertNotAlmostEqual(lit["0"], lit["default"], delta=1e-3)  # tiles and sheet shadow each other at random
+        self.assertRegex(run("inspect", scene).stdout, r"facets put into a plane common with others")
+
     def test_replay_with_the_exact_kernel(self):
         result = run("replay", os.path.join(DATA, "room4.obj"), os.path.join(DATA, "room4_edits.jsonl"), "--light", ROOM_LIGHT, "--kernel", "exact",
                      "--verify", "--json", "-", "--quiet")
@@ -321,7 +343,8 @@ class Refusals(Cli):
 
     def test_unknown_options_and_values(self):
         light = ("--light", "sun:0,0,-1")
-        for more in (("--kernel", "exactly"), ("--form", "round"), ("--sides", "both"), ("--threads", "-1"), ("--threads", "many"), ("--what",),
+        for more in (("--kernel", "exactly"), ("--form", "round"), ("--sides", "both"), ("--coplanar", "-1e-12"), ("--coplanar", "nan"),
+                     ("--coplanar", "2"), ("--coplanar", "1,1"), ("--coplanar", "much"), ("--threads", "-1"), ("--threads", "many"), ("--what",),
                      ("-o",)):
             self.refused("cast", self.square, *light, *more)
         self.refused()

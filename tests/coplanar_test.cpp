@@ -231,6 +231,24 @@ TEST(Coplanar, AnyMagnitude) {
   }
 }
 
+TEST(Coplanar, FloatCoordinatesNeedAWiderTolerance) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed);
+    Mesh mesh = turned(brick_cube(8), random_turn(random));
+    for (Vec3& v : mesh.vertices) v = v.cast<float>().cast<double>();
+    EXPECT_GT(count_planes(scene_of(mesh)), 100u) << "seed " << seed;
+    EXPECT_EQ(count_planes(scene_of(mesh, 3e-7)), 6u) << "seed " << seed;
+  }
+}
+
+// A wall's far end does not suffer from its plane being one tile's.
+TEST(Coplanar, PlaneOfManyTilesIsAsGoodAsTheirCorners) {
+  Random random(21);
+  const Scene scene = scene_of(turned(bricks({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 128), random_turn(random)));
+  EXPECT_EQ(count_planes(scene), 1u);
+  EXPECT_LT(scene.planes()[0].flatness, 8 * 0x1p-53);
+}
+
 // The same groups as asking every leader.
 TEST(Coplanar, GroupsAreThoseOfASearchOfAll) {
   constexpr double tolerance = 1e-12, most_turn = 1e-6;

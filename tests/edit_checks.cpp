@@ -24,7 +24,8 @@ bool same_fields(const Object& a, const Object& b) {
   return a.name == b.name && a.sides == b.sides && a.casts == b.casts && a.receives == b.receives && a.moves == b.moves &&
          a.first_face == b.first_face && a.face_count == b.face_count && a.first_vertex == b.first_vertex &&
          a.vertex_count == b.vertex_count && same_bits(a.signed_volume, b.signed_volume) && a.pose.matrix() == b.pose.matrix() &&
-         a.first_facet == b.first_facet && a.facet_count == b.facet_count && a.first_edge == b.first_edge && a.edge_count == b.edge_count;
+         a.first_facet == b.first_facet && a.facet_count == b.facet_count && a.first_edge == b.first_edge && a.edge_count == b.edge_count &&
+         a.aligned == b.aligned && same_bits(a.aligned_by, b.aligned_by);
 }
 
 bool same_facet(const Scene& a, const Scene& b, std::uint32_t index) {

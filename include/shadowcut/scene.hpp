@@ -206,9 +206,9 @@ class Scene {
   double flatness_tolerance = 1e-6;
   // Faces of one object, or facets of one that is not flat, whose corners lie within this of the plane of a larger one get that plane, on
   // either side of it: they touch, and do not cross each other in slivers. A share of the object's largest coordinate, as its mesh gives
-  // it: what some thousand roundings of coordinates come to, and no more; where such a step would turn a face by more than the flatness
-  // tolerance, the face keeps its own plane. No motion of the object changes what shares a plane. 0: every face has its own plane.
-  // Set before objects are added; Object::aligned says what came of it.
+  // it: what some thousand roundings of coordinates come to. Where that would turn a face by more than the square root of this (radians,
+  // about), so that its area changes by more than this share, the face keeps its own plane. No motion of the object changes what shares a
+  // plane. 0: every face has its own plane. Set before objects are added; Object::aligned says what came of it.
   double coplanarity_tolerance = default_coplanarity;
 
   // Adds an object: welds equal positions, checks every face, cuts concave faces into convex facets, decides its sides.

@@ -345,7 +345,7 @@ class Door {
     std::vector<Membership> members(patches.size());
     for (std::uint32_t i = 0; i < members.size(); ++i) members[i] = {i, false};
     if (tolerances_.coplanarity > 0) {
-      members = find_groups({facets, corners, local_}, patches, tolerances_.coplanarity, tolerances_.flatness / distortion());
+      members = find_groups({facets, corners, local_}, patches, tolerances_.coplanarity, std::sqrt(tolerances_.coplanarity) / distortion());
     }
     const std::vector<Plane> common = common_planes({facets, corners, vertices}, patches, own, members);
 
