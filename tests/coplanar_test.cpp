@@ -128,7 +128,10 @@ TEST(Coplanar, ExactPlanesStayWhatTheyAre) {
   EXPECT_EQ(count_planes(scene), 6u);
   EXPECT_EQ(scene.objects()[0].aligned, 0u);
   for (const Plane& p : scene.planes()) EXPECT_EQ(p.flatness, 0);
-  // On a grid, and not along its axes.
+  // On a fine grid, and not along its axes: sums and products in double would lose digits.
+  const Scene fine = scene_of(bricks({1.25, 0x1p-20, 3}, {1 + 0x1p-15, 0.5, 3 - 0x1p-14}, {-0.25, 0x1p-13, 2}, 8));
+  EXPECT_EQ(count_planes(fine), 1u);
+  EXPECT_EQ(fine.objects()[0].aligned, 0u);
   const Scene tilted = scene_of(bricks({0, 0, 0}, {8, 0, 24}, {0, 8, -16}, 8));
   EXPECT_EQ(count_planes(tilted), 1u);
   EXPECT_EQ(tilted.objects()[0].aligned, 0u);

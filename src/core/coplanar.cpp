@@ -14,6 +14,7 @@
 
 #include "id_table.hpp"
 #include "light_space.hpp"
+#include "numbers.hpp"
 
 namespace shadowcut {
 namespace {
@@ -221,6 +222,23 @@ double breadth(const Figure& figure, const Patch& patch) {
   return measure(figure, patch, unit).breadth() / unit;
 }
 
+// Exactly.
+bool contains(const Plane& plane, const Vec3& x) {
+  const Vec3 &n = plane.exact_normal, d = x - plane.point;
+  if (std::abs(n.dot(d)) > 8 * unit_roundoff * n.cwiseAbs().dot(d.cwiseAbs())) return false;
+  Expansion sum;
+  for (int i = 0; i < 3; ++i) sum = sum + Expansion(n[i]) * Expansion::difference(x[i], plane.point[i]);
+  return sum.sign() == 0;
+}
+
+bool parallel(const Vec3& m, const Vec3& n) {
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    if ((Expansion(m[i]) * Expansion(n[j]) - Expansion(m[j]) * Expansion(n[i])).sign() != 0) return false;
+  }
+  return true;
+}
+
 template <class Do>
 void for_each_corner(const Figure& figure, std::span<const Patch> patches, std::span<const std::uint32_t> group, const Do& act) {
   for (const std::uint32_t p : group) {
@@ -230,7 +248,7 @@ void for_each_corner(const Figure& figure, std::span<const Patch> patches, std::
   }
 }
 
-// The plane of a group, but for flatness and tilt: the leader's where all corners lie in it to the last digit; else one through the
+// The plane of a group, but for flatness and tilt: the leader's where all corners lie in it exactly; else one through the
 // leader's first corner and two of the group's far from it and from each other. A leader that is one small tile of a large wall says little
 // about the wall's far end.
 Plane common_plane(const Figure& figure, std::span<const Patch> patches, std::span<const std::uint32_t> group, Plane leader) {
@@ -239,7 +257,7 @@ Plane common_plane(const Figure& figure, std::span<const Patch> patches, std::sp
   Vec3 far = Vec3::Zero();
   for_each_corner(figure, patches, group, [&](const Vec3& x) {
     const Vec3 d = x - origin;
-    in_it = in_it && leader.exact_normal.dot(d) == 0;
+    in_it = in_it && contains(leader, x);
     if (d.stableNorm() > far.stableNorm()) far = d;
   });
   if (in_it) return leader;
@@ -267,7 +285,8 @@ double distance_from(const Plane& plane, const Figure& figure, const Patch& patc
 }
 
 bool same_plane(const Plane& p, const Plane& q) {
-  return p.exact_normal.cross(q.exact_normal).isZero(0) && p.exact_normal.dot(q.point - p.point) == 0;
+  if (p.exact_normal == q.exact_normal && p.point == q.point) return true;
+  return parallel(p.exact_normal, q.exact_normal) && contains(p, q.point);
 }
 
 std::vector<Membership> find_groups(const Figure& figure, std::span<const Patch> patches, double tolerance, double most_turn) {

@@ -40,7 +40,7 @@ std::vector<Membership> find_groups(const Figure& figure, std::span<const Patch>
 std::vector<Plane> common_planes(const Figure& figure, std::span<const Patch> patches, std::span<const Plane> own,
                                  std::span<const Membership> members);
 
-// Whether two planes are the same set of points; what double arithmetic says.
+// Whether two planes are the same set of points, exactly.
 bool same_plane(const Plane& p, const Plane& q);
 // The largest distance of a patch's corners from a plane.
 double distance_from(const Plane& plane, const Figure& figure, const Patch& patch);
