@@ -1,18 +1,15 @@
-// Groups are found by leaders: patches in order of their area, each joins the first leader in whose plane its corners lie, or becomes one.
+// Groups are found by leaders: in order of their area, a patch that has no leader becomes one, and takes all those without one whose
+// corners lie in its plane.
 //
-// Leaders in whose plane a patch may lie are looked up by normal and offset. A plane within d of a patch's corners differs from the patch's
-// own in direction by no more than d / breadth (below), which is tiny for a wall and large for a splinter. So leaders stand in grids of
-// several cell sizes, powers of 8, and a patch asks the grid whose cells are some 8 to 64 times its own uncertainty: one or two cells of
-// each coordinate.
+// They are found in a tree over all patches, in which a plane passes by what lies elsewhere or another way. How far another way matters: a
+// plane within d of a patch's corners differs from the patch's own in direction by no more than d / breadth (below), which is tiny for a
+// wall and large for a splinter.
 #include "coplanar.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
 #include <numeric>
 
-#include "id_table.hpp"
 #include "light_space.hpp"
 #include "numbers.hpp"
 
@@ -59,7 +56,7 @@ Measure measure(const Figure& figure, const Patch& patch, double unit) {
 class Grouping {
  public:
   Grouping(const Figure& figure, std::span<const Patch> patches, double tolerance, double most_turn)
-      : figure_(figure), patches_(patches), most_turn_(most_turn), cells_(2 * patches.size()) {
+      : figure_(figure), patches_(patches), most_turn_(most_turn) {
     Eigen::AlignedBox3d box;
     for (const Patch& p : patches) {
       for (std::uint32_t k = p.first_facet; k < p.end_facet; ++k) {
@@ -75,141 +72,182 @@ class Grouping {
 
   std::vector<Membership> run() {
     std::vector<Membership> out(patches_.size());
-    for (std::uint32_t i = 0; i < out.size(); ++i) out[i] = {i, false};
-    measures_.reserve(patches_.size());
-    for (const Patch& p : patches_) measures_.push_back(measure(figure_, p, unit_));
-    std::vector<std::uint32_t> order;
-    for (std::uint32_t i = 0; i < patches_.size(); ++i) {
-      if (!seeks(measures_[i])) continue;
-      order.push_back(i);
-      levels_.push_back(level_of(measures_[i]));
+    leaf_of_.assign(patches_.size(), none);
+    for (std::uint32_t i = 0; i < out.size(); ++i) {
+      out[i] = {i, false};
+      measures_.push_back(measure(figure_, patches_[i], unit_));
+      const Measure& m = measures_.back();
+      // A splinter whose normal is little more than rounding keeps it.
+      const double rounding = 8 * unit_roundoff * m.outline;
+      if (!(m.area > 0) || rounding > 1e-6 * m.breadth()) continue;
+      const double reach = std::min(tolerance_, most_turn_ * m.breadth());
+      items_.push_back({i, m.normal.dot(Vec3(0.48, 0.61, 0.63)) < 0 ? Vec3(-m.normal) : m.normal,
+                        scaled(figure_.at(figure_.facets[patches_[i].first_facet], 0)), (reach + rounding) / m.breadth(), reach});
     }
-    std::sort(levels_.begin(), levels_.end());
-    levels_.erase(std::unique(levels_.begin(), levels_.end()), levels_.end());
+    if (items_.empty()) return out;
+    std::vector<std::uint32_t> order;
+    for (const Item& item : items_) order.push_back(item.patch);
     std::stable_sort(order.begin(), order.end(),
                      [this](std::uint32_t a, std::uint32_t b) { return measures_[a].area > measures_[b].area; });
-    for (const std::uint32_t i : order) {
-      const std::uint32_t leader = leader_for(i);
-      if (leader == none) {
-        enter(i);
-      } else {
-        out[i] = {leaders_[leader], measures_[leaders_[leader]].normal.dot(measures_[i].normal) < 0};
-      }
+    build(0, static_cast<std::uint32_t>(items_.size()), none);
+    for (const std::uint32_t leader : order) {
+      if (leaf_of_[leader] == none) continue;
+      settle(leader);
+      take(leader, out);
     }
     return out;
   }
 
  private:
-  using Cell = std::array<std::int64_t, 5>;  // level, normal, offset
+  struct Item {
+    std::uint32_t patch;
+    Vec3 normal, point;  // one normal for both sides of a plane, unless it lies nearly across (0.48, 0.61, 0.63)
+    double doubt;        // by how much the normal of a plane in reach may differ
+    double reach;        // how far corners may lie from that plane
+  };
+  static constexpr std::uint32_t leaf_size = 4;
+  struct Node {
+    Vec3 axis, middle;
+    double cone = 0;                      // normals differ from the axis by no more
+    double radius = 0, thickness = 0;     // of all corners about the middle; and along the axis
+    double doubt = 0, reach = 0;          // the largest
+    std::uint32_t first, end;             // items
+    std::uint32_t parent, second = none;  // the first child follows its parent; none: a leaf
+    std::uint32_t waiting;                // items that have no leader yet
+  };
 
-  // How far a patch's corners may lie from a plane that it is to share.
-  double reach(const Measure& m) const { return std::min(tolerance_, most_turn_ * m.breadth()); }
-  static double rounding(const Measure& m) { return 8 * unit_roundoff * m.outline; }
-  // A splinter whose normal is little more than rounding keeps it.
-  bool seeks(const Measure& m) const { return m.area > 0 && rounding(m) <= 1e-6 * m.breadth(); }
-  // By how much a plane within reach may differ in each component of its normal, and twice that in its offset.
-  double difference(const Measure& m) const { return (reach(m) + rounding(m)) / m.breadth(); }
-  // Cells of a level are 8^level wide.
-  int level_of(const Measure& m) const {
-    const int exponent = std::ilogb(difference(m)) + 4;
-    return exponent >= 0 ? (exponent + 2) / 3 : -(-exponent / 3);
-  }
+  Vec3 scaled(const Vec3& x) const { return (x - middle_) * unit_; }
 
-  // Normal and offset, of one sign for both sides of a plane where the sign is clear.
-  std::array<double, 4> coordinates(std::uint32_t patch) const {
-    const Vec3& n = measures_[patch].normal;
-    const double offset = n.dot((point_of(patch) - middle_) * unit_);
-    return {n.x(), n.y(), n.z(), offset};
-  }
-  const Vec3& point_of(std::uint32_t patch) const { return figure_.at(figure_.facets[patches_[patch].first_facet], 0); }
-  static double lean(const std::array<double, 4>& c) { return 0.48 * c[0] + 0.61 * c[1] + 0.63 * c[2]; }
-
-  static std::uint64_t hash(const Cell& c) {
-    std::uint64_t h = 0;
-    for (const std::int64_t i : c) h = mix(h + static_cast<std::uint64_t>(i));
-    return h;
-  }
-
-  void enter(std::uint32_t patch) {
-    const auto leader = static_cast<std::uint32_t>(leaders_.size());
-    leaders_.push_back(patch);
-    auto c = coordinates(patch);
-    if (lean(c) < 0) std::transform(c.begin(), c.end(), c.begin(), std::negate<>());
-    for (const int level : levels_) {
-      Cell key{level};
-      for (std::size_t i = 0; i < 4; ++i) key[i + 1] = static_cast<std::int64_t>(std::floor(std::ldexp(c[i], -3 * level)));
-      const auto next = static_cast<std::uint32_t>(keys_.size());
-      const std::uint32_t cell = cells_.find_or_add(
-          hash(key), next, [&](std::uint32_t k) { return keys_[k] == key; }, [&](std::uint32_t k) { return hash(keys_[k]); });
-      if (cell == next) keys_.push_back(key), newest_.push_back(none);
-      entries_.push_back({leader, newest_[cell]});
-      newest_[cell] = static_cast<std::uint32_t>(entries_.size() - 1);
-    }
-  }
-
-  // The first leader in whose plane the patch lies; none if there is none.
-  std::uint32_t leader_for(std::uint32_t patch) const {
-    const double around = 2 * difference(measures_[patch]);
-    auto c = coordinates(patch);
-    std::uint32_t best = none;
-    if (lean(c) >= -around) look(patch, c, best);
-    std::transform(c.begin(), c.end(), c.begin(), std::negate<>());
-    if (lean(c) >= -around) look(patch, c, best);
-    return best;
-  }
-
-  void look(std::uint32_t patch, const std::array<double, 4>& c, std::uint32_t& best) const {
-    const int level = level_of(measures_[patch]);
-    const double d = difference(measures_[patch]);
-    Cell low{level}, high{level};
-    for (std::size_t i = 0; i < 4; ++i) {
-      const double around = i == 3 ? 4 * d : d;  // two lengths of the figure's size from the middle
-      low[i + 1] = static_cast<std::int64_t>(std::floor(std::ldexp(c[i] - around, -3 * level)));
-      high[i + 1] = static_cast<std::int64_t>(std::floor(std::ldexp(c[i] + around, -3 * level)));
-    }
-    Cell key = low;
-    for (std::size_t i = 1; i < 5;) {
-      look(patch, key, best);
-      for (i = 1; i < 5 && key[i] == high[i]; ++i) key[i] = low[i];
-      if (i < 5) ++key[i];
-    }
-  }
-
-  void look(std::uint32_t patch, const Cell& key, std::uint32_t& best) const {
-    const std::uint32_t cell = cells_.find(hash(key), [&](std::uint32_t k) { return keys_[k] == key; });
-    if (cell == none) return;
-    for (std::uint32_t e = newest_[cell]; e != none; e = entries_[e].next) {
-      if (entries_[e].leader < best && lies_in(patch, leaders_[entries_[e].leader])) best = entries_[e].leader;
-    }
-  }
-
-  bool lies_in(std::uint32_t patch, std::uint32_t leader) const {
-    const Vec3 &n = measures_[leader].normal, &point = point_of(leader);
-    const double most = reach(measures_[patch]);
+  template <class Do>
+  void for_corners(std::uint32_t patch, const Do& act) const {
     for (std::uint32_t k = patches_[patch].first_facet; k < patches_[patch].end_facet; ++k) {
+      for (std::uint32_t i = 0; i < figure_.facets[k].corner_count; ++i) act(scaled(figure_.at(figure_.facets[k], i)));
+    }
+  }
+
+  Node node_of(std::uint32_t first, std::uint32_t end) const {
+    Node node{};
+    node.first = first, node.end = end, node.waiting = end - first;
+    Eigen::AlignedBox3d box;
+    Vec3 sum = Vec3::Zero();
+    const std::span<const Item> items = std::span(items_).subspan(first, end - first);
+    for (const Item& item : items) {
+      sum += item.normal;
+      node.doubt = std::max(node.doubt, item.doubt), node.reach = std::max(node.reach, item.reach);
+      for_corners(item.patch, [&](const Vec3& x) { box.extend(x); });
+    }
+    node.axis = sum.normalized();
+    node.middle = box.center();
+    for (const Item& item : items) {
+      node.cone = std::max(node.cone, (item.normal - node.axis).norm());
+      for_corners(item.patch, [&](const Vec3& x) {
+        node.radius = std::max(node.radius, (x - node.middle).squaredNorm());
+        node.thickness = std::max(node.thickness, std::abs(node.axis.dot(x - node.middle)));
+      });
+    }
+    node.radius = std::sqrt(node.radius);
+    return node;
+  }
+
+  // Divides by what most keeps a plane from passing by: by doubt where that is very different, by direction as far as the doubt lets it
+  // matter, then by height, and where neither matters by place.
+  void build(std::uint32_t first, std::uint32_t end, std::uint32_t parent) {
+    const auto id = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.push_back(node_of(first, end));
+    nodes_[id].parent = parent;
+    if (end - first <= leaf_size) {
+      for (std::uint32_t i = first; i < end; ++i) leaf_of_[items_[i].patch] = id;
+      return;
+    }
+    const Node& node = nodes_[id];
+    const auto begin = items_.begin();
+    Eigen::AlignedBox3d normals, points;
+    double least_doubt = node.doubt;
+    for (std::uint32_t i = first; i < end; ++i) {
+      normals.extend(items_[i].normal), points.extend(items_[i].point);
+      least_doubt = std::min(least_doubt, items_[i].doubt);
+    }
+    Eigen::Index widest;
+    const std::uint32_t half = first + (end - first) / 2;
+    const auto divide = [&](const auto& value) {
+      std::nth_element(begin + first, begin + half, begin + end, [&](const Item& a, const Item& b) {
+        const double x = value(a), y = value(b);
+        return x != y ? x < y : a.patch < b.patch;
+      });
+    };
+    if (node.doubt > 64 * least_doubt) {
+      divide([](const Item& i) { return i.doubt; });
+    } else if (node.cone > 2 * node.doubt) {
+      normals.sizes().maxCoeff(&widest);
+      divide([widest](const Item& i) { return i.normal[widest]; });
+    } else if (node.thickness > 2 * (node.doubt * node.radius + node.reach)) {
+      divide([axis = node.axis](const Item& i) { return axis.dot(i.point); });
+    } else {
+      points.sizes().maxCoeff(&widest);
+      divide([widest](const Item& i) { return i.point[widest]; });
+    }
+    build(first, half, id);
+    nodes_[id].second = static_cast<std::uint32_t>(nodes_.size());
+    build(half, end, id);
+  }
+
+  void settle(std::uint32_t patch) {
+    for (std::uint32_t n = leaf_of_[patch]; n != none; n = nodes_[n].parent) --nodes_[n].waiting;
+    leaf_of_[patch] = none;
+  }
+
+  // Gives a leader all that wait and lie in its plane.
+  void take(std::uint32_t leader, std::vector<Membership>& out) {
+    const Vec3 &n = measures_[leader].normal, &point = figure_.at(figure_.facets[patches_[leader].first_facet], 0);
+    const Vec3 foot = scaled(point);
+    pending_.assign(1, 0);
+    while (!pending_.empty()) {
+      const std::uint32_t id = pending_.back();
+      pending_.pop_back();
+      const Node& node = nodes_[id];
+      if (node.waiting == 0 || passes_by(n, foot, node)) continue;
+      if (node.second != none) {
+        pending_.push_back(node.second);
+        pending_.push_back(id + 1);
+        continue;
+      }
+      for (std::uint32_t i = node.first; i < node.end; ++i) {
+        const Item& item = items_[i];
+        if (leaf_of_[item.patch] == none || !lies_in(item, n, point)) continue;
+        settle(item.patch);
+        out[item.patch] = {leader, n.dot(measures_[item.patch].normal) < 0};
+      }
+    }
+  }
+
+  // Whether no patch of a node can lie in the plane.
+  static bool passes_by(const Vec3& n, const Vec3& foot, const Node& node) {
+    constexpr double slack = 32 * unit_roundoff;  // of coordinates about one
+    const double apart = (n - (n.dot(node.axis) < 0 ? Vec3(-node.axis) : node.axis)).norm();
+    if (apart > node.cone + node.doubt + slack) return true;
+    return std::abs(n.dot(node.middle - foot)) > node.thickness + apart * node.radius + node.reach + slack;
+  }
+
+  bool lies_in(const Item& item, const Vec3& n, const Vec3& point) const {
+    const Patch& patch = patches_[item.patch];
+    for (std::uint32_t k = patch.first_facet; k < patch.end_facet; ++k) {
       const Facet& f = figure_.facets[k];
       for (std::uint32_t i = 0; i < f.corner_count; ++i) {
-        if (!(std::abs(n.dot((figure_.at(f, i) - point) * unit_)) <= most)) return false;
+        if (!(std::abs(n.dot((figure_.at(f, i) - point) * unit_)) <= item.reach)) return false;
       }
     }
     return true;
   }
 
-  struct Entry {
-    std::uint32_t leader, next;
-  };
-
   const Figure& figure_;
   std::span<const Patch> patches_;
   double most_turn_, tolerance_ = 0, unit_ = 1;
   Vec3 middle_ = Vec3::Zero();
-  std::vector<Measure> measures_;
-  std::vector<int> levels_;             // in use
-  std::vector<std::uint32_t> leaders_;  // patches
-  IdTable cells_;
-  std::vector<Cell> keys_;             // by cell
-  std::vector<std::uint32_t> newest_;  // by cell: into entries_
-  std::vector<Entry> entries_;
+  std::vector<Measure> measures_;  // by patch
+  std::vector<Item> items_;        // patches that may share, as the leaves have them
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> leaf_of_;  // by patch; none: it does not wait
+  std::vector<std::uint32_t> pending_;
 };
 
 // The width of a patch on which its direction rests.

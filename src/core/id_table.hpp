@@ -33,15 +33,6 @@ class IdTable {
     return next;
   }
 
-  // The id for which same(id) holds among those with this hash; none if there is none.
-  template <class Same>
-  std::uint32_t find(std::uint64_t hash, Same same) const {
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t i = hash & mask;
-    while (slots_[i] != none && !same(slots_[i])) i = (i + 1) & mask;
-    return slots_[i];
-  }
-
  private:
   template <class Hash>
   void grow(Hash rehash) {
