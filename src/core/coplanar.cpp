@@ -81,8 +81,7 @@ class Grouping {
       const double rounding = 8 * unit_roundoff * m.outline;
       if (!(m.area > 0) || rounding > 1e-6 * m.breadth()) continue;
       const double reach = std::min(tolerance_, most_turn_ * m.breadth());
-      items_.push_back({i, m.normal.dot(Vec3(0.48, 0.61, 0.63)) < 0 ? Vec3(-m.normal) : m.normal,
-                        scaled(figure_.at(figure_.facets[patches_[i].first_facet], 0)), (reach + rounding) / m.breadth(), reach});
+      items_.push_back(item_of(i, (reach + rounding) / m.breadth(), reach));
     }
     if (items_.empty()) return out;
     std::vector<std::uint32_t> order;
@@ -101,11 +100,14 @@ class Grouping {
  private:
   struct Item {
     std::uint32_t patch;
-    Vec3 normal, point;  // one normal for both sides of a plane, unless it lies nearly across (0.48, 0.61, 0.63)
-    double doubt;        // by how much the normal of a plane in reach may differ
-    double reach;        // how far corners may lie from that plane
+    Vec3 normal;                       // one for both sides of a plane, unless it lies nearly across (0.48, 0.61, 0.63)
+    Vec3 middle;                       // of its corners
+    double radius = 0, thickness = 0;  // of the corners about the middle; and along the normal
+    double doubt;                      // by how much the normal of a plane in reach may differ
+    double reach;                      // how far corners may lie from that plane
   };
-  static constexpr std::uint32_t leaf_size = 4;
+  static constexpr std::uint32_t leaf_size = 8;
+  static constexpr double slack = 32 * unit_roundoff;  // of coordinates about one
   struct Node {
     Vec3 axis, middle;
     double cone = 0;                      // normals differ from the axis by no more
@@ -125,6 +127,19 @@ class Grouping {
     }
   }
 
+  Item item_of(std::uint32_t patch, double doubt, double reach) const {
+    const Vec3& normal = measures_[patch].normal;
+    Item item{patch, normal.dot(Vec3(0.48, 0.61, 0.63)) < 0 ? Vec3(-normal) : normal, Vec3::Zero(), 0, 0, doubt, reach};
+    double corners = 0;
+    for_corners(patch, [&](const Vec3& x) { item.middle += x, ++corners; });
+    item.middle /= corners;  // which is in the plane
+    for_corners(patch, [&](const Vec3& x) {
+      item.radius = std::max(item.radius, (x - item.middle).norm());
+      item.thickness = std::max(item.thickness, std::abs(normal.dot(x - item.middle)));
+    });
+    return item;
+  }
+
   Node node_of(std::uint32_t first, std::uint32_t end) const {
     Node node{};
     node.first = first, node.end = end, node.waiting = end - first;
@@ -133,19 +148,17 @@ class Grouping {
     const std::span<const Item> items = std::span(items_).subspan(first, end - first);
     for (const Item& item : items) {
       sum += item.normal;
+      box.extend(item.middle);
       node.doubt = std::max(node.doubt, item.doubt), node.reach = std::max(node.reach, item.reach);
-      for_corners(item.patch, [&](const Vec3& x) { box.extend(x); });
     }
     node.axis = sum.normalized();
     node.middle = box.center();
     for (const Item& item : items) {
-      node.cone = std::max(node.cone, (item.normal - node.axis).norm());
-      for_corners(item.patch, [&](const Vec3& x) {
-        node.radius = std::max(node.radius, (x - node.middle).squaredNorm());
-        node.thickness = std::max(node.thickness, std::abs(node.axis.dot(x - node.middle)));
-      });
+      const double apart = (item.normal - node.axis).norm();
+      node.cone = std::max(node.cone, apart);
+      node.radius = std::max(node.radius, (item.middle - node.middle).norm() + item.radius);
+      node.thickness = std::max(node.thickness, std::abs(node.axis.dot(item.middle - node.middle)) + item.thickness + apart * item.radius);
     }
-    node.radius = std::sqrt(node.radius);
     return node;
   }
 
@@ -164,7 +177,7 @@ class Grouping {
     Eigen::AlignedBox3d normals, points;
     double least_doubt = node.doubt;
     for (std::uint32_t i = first; i < end; ++i) {
-      normals.extend(items_[i].normal), points.extend(items_[i].point);
+      normals.extend(items_[i].normal), points.extend(items_[i].middle);
       least_doubt = std::min(least_doubt, items_[i].doubt);
     }
     Eigen::Index widest;
@@ -181,10 +194,10 @@ class Grouping {
       normals.sizes().maxCoeff(&widest);
       divide([widest](const Item& i) { return i.normal[widest]; });
     } else if (node.thickness > 2 * (node.doubt * node.radius + node.reach)) {
-      divide([axis = node.axis](const Item& i) { return axis.dot(i.point); });
+      divide([axis = node.axis](const Item& i) { return axis.dot(i.middle); });
     } else {
       points.sizes().maxCoeff(&widest);
-      divide([widest](const Item& i) { return i.point[widest]; });
+      divide([widest](const Item& i) { return i.middle[widest]; });
     }
     build(first, half, id);
     nodes_[id].second = static_cast<std::uint32_t>(nodes_.size());
@@ -213,6 +226,7 @@ class Grouping {
       }
       for (std::uint32_t i = node.first; i < node.end; ++i) {
         const Item& item = items_[i];
+        if (std::abs(n.dot(item.middle - foot)) > item.reach + item.thickness + item.doubt * item.radius + slack) continue;
         if (leaf_of_[item.patch] == none || !lies_in(item, n, point)) continue;
         settle(item.patch);
         out[item.patch] = {leader, n.dot(measures_[item.patch].normal) < 0};
@@ -222,7 +236,6 @@ class Grouping {
 
   // Whether no patch of a node can lie in the plane.
   static bool passes_by(const Vec3& n, const Vec3& foot, const Node& node) {
-    constexpr double slack = 32 * unit_roundoff;  // of coordinates about one
     const double apart = (n - (n.dot(node.axis) < 0 ? Vec3(-node.axis) : node.axis)).norm();
     if (apart > node.cone + node.doubt + slack) return true;
     return std::abs(n.dot(node.middle - foot)) > node.thickness + apart * node.radius + node.reach + slack;
