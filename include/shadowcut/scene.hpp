@@ -156,7 +156,7 @@ struct Edge {          // an undirected edge of the mesh; its line of light is s
 
 struct Facet {
   std::uint32_t face;          // index into Scene::faces()
-  std::uint32_t plane;         // index into Scene::planes()
+  std::uint32_t plane;         // index into Scene::planes(); facets of one object may share it
   std::uint32_t first_corner;  // index into Scene::corners()
   std::uint32_t corner_count;  // at least 3; convex, counter-clockwise seen from the front; straight corners are kept
 };

@@ -32,7 +32,8 @@ struct Membership {
 
 // Which patches share a plane. The largest leads, and takes with it those whose corners all lie within `tolerance` (a share of the figure's
 // largest coordinate) of its own plane; then the largest of what is left leads, and so on: no group reaches farther than its leader's
-// plane. Nor does a small patch follow that its corners would turn by more than `most_turn` (radians, about). Cost: about n log n.
+// plane. Nor does a small patch follow that its corners would turn by more than `most_turn` (radians, about).
+// Cost: about n log n; n^1.5 for the patches of one wall if they miss each other's planes by a few times the tolerance.
 std::vector<Membership> find_groups(const Figure& figure, std::span<const Patch> patches, double tolerance, double most_turn);
 
 // The patches' planes when every group has one, up to its sign, that of `own[leader]` or one through corners far apart. Flatness is the
