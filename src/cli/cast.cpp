@@ -48,6 +48,7 @@ ordered_json summary_of(const Engine& engine, std::size_t k, const NamedLight& l
                      {"facing_area", s.facing_area},
                      {"lit_area", s.lit_area},
                      {"shadowed_area", s.shadowed_area},
+                     {"dropped_area", s.dropped_area},
                      {"undecided_area", std::accumulate(undecided.begin(), undecided.end(), 0.0)},
                      {"lit_fragments", s.lit_fragments},
                      {"shadowed_fragments", s.shadowed_fragments},

@@ -50,7 +50,13 @@ void add_casting(CLI::App& command, Arguments& a) {
   command.add_option("SCENE", a.scene, "Scene file: .obj .ply .off .stl .gltf .glb .dae .fbx .ifc and others")->required();
   add_list(command, "--light", a.lights, "point:x,y,z or sun:dx,dy,dz (direction of travel); none: the scene's own lights")
       ->type_name("SPEC");
-  add_choice<Kernel>(command, "--kernel", a.options.kernel, kernels(), "Arithmetic: fast (double, with error bounds) or exact (fast)");
+  add_choice<Kernel>(command, "--kernel", a.options.kernel, kernels(),
+                     "Arithmetic: fast (double, with error bounds), exact, or single (float) (fast)");
+  command
+      .add_option_function<std::string>(
+          "--min-feature", [&a](const std::string& text) { a.options.min_feature = parse_min_feature(text); },
+          "Smallest part of a face that a cut leaves: an area, or a solid angle such as 1e-6sr; 0: all are kept (0)")
+      ->type_name("SIZE");
   add_reading(command, a.reading);
   command.add_option("--threads", a.options.threads, "0: one for each processor")->check(CLI::Range(0, 4096));
   command.add_option("--json", a.json, "Summary; - is standard output")->type_name("FILE");

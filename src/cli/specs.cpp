@@ -101,10 +101,20 @@ double parse_share(const std::string& option, const std::string& text) {
   return numbers->front();
 }
 
+MinFeature parse_min_feature(const std::string& text) {
+  MinFeature out;
+  const bool is_angle = text.size() > 2 && text.ends_with("sr");
+  const auto numbers = parse_numbers(std::string_view(text).substr(0, text.size() - (is_angle ? 2 : 0)));
+  if (!numbers || numbers->size() != 1 || numbers->front() < 0)
+    throw Error("--min-feature: '" + text + "' is neither an area nor a solid angle such as 1e-6sr");
+  (is_angle ? out.solid_angle : out.area) = numbers->front();
+  return out;
+}
+
 Vec3 parse_axis(const std::string& name) { return name == "x" ? Vec3::UnitX() : name == "y" ? Vec3::UnitY() : Vec3::UnitZ(); }
 
 const std::map<std::string, Kernel>& kernels() {
-  static const std::map<std::string, Kernel> all{{"fast", Kernel::fast}, {"exact", Kernel::exact}};
+  static const std::map<std::string, Kernel> all{{"fast", Kernel::fast}, {"exact", Kernel::exact}, {"single", Kernel::single}};
   return all;
 }
 

@@ -23,6 +23,9 @@ const char* kernel_name(Kernel kernel);
 // A number from 0 to 1.
 double parse_share(const std::string& option, const std::string& text);
 
+// An area, or a solid angle with sr behind it.
+MinFeature parse_min_feature(const std::string& text);
+
 // x, y or z.
 Vec3 parse_axis(const std::string& name);
 

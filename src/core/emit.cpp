@@ -31,12 +31,11 @@ class AreaSum {
   Vec3 origin_, last_ = Vec3::Zero(), doubled_ = Vec3::Zero();
 };
 
-// The region of a face is its plane cut by its cone. Where its corners are flat only up to rounding, corners and region differ by as much,
-// and by more where the light nearly lies in the plane; areas are the region's, so that they add up. Elsewhere its vertices will do.
-bool corners_will_do(const EmitTarget& target, std::uint32_t facet) {
-  const double flatness = target.scene.planes()[target.scene.facets()[facet].plane].flatness;
-  const double area = target.scene.faces()[target.scene.facets()[facet].face].area;
-  return flatness * flatness <= 1e-26 * area && !target.tables.grazed[facet];
+// In the facet's plane. Where a light nearly touches it the numbers may have no such point: then any of the facet's will do.
+Vec3 on_plane(const EmitTarget& target, std::uint32_t facet_id, const Real r[3]) {
+  const Facet& facet = target.scene.facets()[facet_id];
+  const Vec3 x = target.space.back(r, target.tables.planes[facet.plane].q);
+  return x.allFinite() ? x : target.scene.vertices()[target.scene.corners_of(facet)[0].vertex];
 }
 
 class CellEmitter {
@@ -245,11 +244,19 @@ class CellEmitter {
 
 }  // namespace
 
+// The region of a face is its plane cut by its cone. Where its corners are flat only up to rounding, corners and region differ by as much,
+// and by more where the light nearly lies in the plane; areas are the region's, so that they add up. Elsewhere its vertices will do.
+bool corners_will_do(const EmitTarget& target, std::uint32_t facet) {
+  constexpr double flat = 900 * roundoff;
+  const double flatness = target.scene.planes()[target.scene.facets()[facet].plane].flatness;
+  const double area = target.scene.faces()[target.scene.facets()[facet].face].area;
+  return flatness * flatness <= flat * flat * area && !target.tables.grazed[facet];
+}
+
 double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t facet_id, std::span<const ConeCorner> cone,
                      PointCache& points, Vec3* out) {
   const Facet& facet = target.scene.facets()[facet_id];
   const Plane& plane = target.scene.planes()[facet.plane];
-  const Real* q = target.tables.planes[facet.plane].q;
   const auto count = static_cast<std::uint32_t>(cone.size());
   const bool reversed = target.space.handedness() < 0;
   // A corner where two edges of one of the facet's own vertices meet is that vertex.
@@ -260,7 +267,7 @@ double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t
     return std::any_of(own.begin(), own.end(), [v](const Corner& c) { return c.vertex == v; }) ? v : none;
   };
   const auto at = [&](std::uint32_t i) {
-    return lines.is_exact() ? lines.point(cone, i, facet_id, points) : target.space.back(cone[i].r, q);
+    return lines.is_exact() ? lines.point(cone, i, facet_id, points) : on_plane(target, facet_id, cone[i].r);
   };
   for (std::uint32_t k = 0; k < count; ++k) {
     const std::uint32_t i = reversed ? count - 1 - k : k;
@@ -296,7 +303,7 @@ double area_of_facet(const EmitTarget& target, std::uint32_t facet_id, bool in_l
     const Vec3& vertex = target.scene.vertices()[c.vertex];
     if (!project) return vertex;
     if (target.tables.exact) return target.tables.exact->point(plane, {&vertex, false, nullptr, nullptr, false, false});
-    return target.space.back(target.tables.rays[c.vertex].r, target.tables.planes[facet.plane].q);
+    return on_plane(target, facet_id, target.tables.rays[c.vertex].r);
   };
   const auto corners = target.scene.corners_of(facet);
   AreaSum sum(corner(corners[0]));

@@ -63,6 +63,9 @@ void for_each_node_upward(const CellTree& tree, const F& f) {
   }
 }
 
+// Whether a facet's area can be taken from its corners.
+bool corners_will_do(const EmitTarget& target, std::uint32_t facet);
+
 // A polygon of a facet into world space: counter-clockwise seen from the light, as many corners as the cone has. Returns its area.
 double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t facet, std::span<const ConeCorner> cone,
                      PointCache& points, Vec3* out);

@@ -92,9 +92,10 @@ class LightTree final : public LightShadows {
     bool stirred = false;            // since, by a face large enough to count
     std::vector<Mover> movers = {};  // the objects inserted last, the latest last
   };
-  struct Units {  // a face's areas as whole numbers of a unit of its own, so that adding and taking away is exact
+  __extension__ using Count = __int128;  // of as many fragments as there may be, each of up to 2^62 units
+  struct Units {                         // a face's areas as whole numbers of a unit of its own, so that adding and taking away is exact
     double unit = 1;
-    std::int64_t lit = 0, shadowed = 0;
+    Count lit = 0, shadowed = 0;
   };
   // A facet as the light sees it, exactly: nearly always its loop is convex.
   enum Shape : std::uint8_t { convex = 0, to_be_cut = 1, reversed = 2 };
@@ -116,6 +117,7 @@ class LightTree final : public LightShadows {
   void build_all();
   void refer_to_scene();
   bool reached(std::uint32_t face) const;
+  bool meets_all_corners(std::uint32_t facet) const;
   void face_facet(std::uint32_t facet, bool reached, bool holds_light);
   bool holds_light(const Object& object) const;
   void face_the_light();

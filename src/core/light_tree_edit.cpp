@@ -536,7 +536,7 @@ void LightTree::absorb(const LiveCell::AreaChange& change) {
   Units& u = units_[change.face];
   constexpr double most = 0x1p62;
   const auto units = static_cast<std::int64_t>(std::nearbyint(std::min(change.area / u.unit, most)));
-  std::int64_t& sum = change.lit ? u.lit : u.shadowed;
+  Count& sum = change.lit ? u.lit : u.shadowed;
   sum += change.added ? units : -units;
   (change.lit ? a.lit : a.shadowed) = static_cast<double>(sum) * u.unit;
   set_dropped(a);

@@ -94,7 +94,8 @@ class CellDoubts {
   Polygon seen_on(const Cone& cone, std::uint32_t facet) const {
     const Plane& plane = target_.scene.planes()[plane_index(facet)];
     const PlaneRay& ray = plane_of(facet);
-    const auto is_given = [&](const ConeCorner& c) { return c.vertex != none && facet == cone.facet; };
+    const bool by_corners = facet == cone.facet && corners_will_do(target_, facet);
+    const auto is_given = [by_corners](const ConeCorner& c) { return c.vertex != none && by_corners; };
     const auto at = [&](const ConeCorner& c) { return is_given(c) ? target_.scene.vertices()[c.vertex] : target_.space.back(c.r, ray.q); };
     double perimeter = 0, spread = 0, extent = 0, pull = 0;
     bool all_given = true;  // the scene's own vertices: no rounding has moved them
@@ -134,16 +135,22 @@ class CellDoubts {
     return most > 0 && share < 1 ? share : 1;  // 1 too where it is no number
   }
 
-  // Which share of the cone could be on the other side of a PP-node's plane; charged to that plane's face too.
+  // Which shares of the cone, seen on its own plane and on another facet's, could be on the other side of that one's plane.
+  struct Shares {
+    double own, other;
+  };
+  Shares shares_against(const Cone& cone, std::uint32_t facet, double side) const {
+    if (plane_index(facet) == plane_index(cone.facet)) return {0, 0};
+    const PlaneRay &own = plane_of(cone.facet), &other = plane_of(facet);
+    const PlaneDifference nearer(own, other.q, other.error);
+    const double bound = nearer.bound(cone);
+    return {share_below(cone, nearer.d, bound, side, own.q), share_below(cone, nearer.d, bound, side, other.q)};
+  }
+  // Of a PP-node's plane; charged to its owner too.
   double against(const Cone& cone, std::uint32_t pp, double side) {
-    const std::uint32_t owner = owner_of(pp);
-    if (plane_index(owner) == plane_index(cone.facet)) return 0;
-    const Node& node = tree_.nodes()[pp];
-    const PlaneRay& own = plane_of(cone.facet);
-    const PlaneDifference nearer(own, node.n, node.error);
-    const double bound = nearer.bound(cone), share = share_below(cone, nearer.d, bound, side, own.q);
-    if (share > 0) doubt_owner(pp, share_below(cone, nearer.d, bound, side, node.n) * seen_on(cone, owner).area);
-    return share;
+    const Shares shares = shares_against(cone, owner_of(pp), side);
+    if (shares.own > 0) doubt_owner(pp, shares.other * seen_on(cone, owner_of(pp)).area);
+    return shares.own;
   }
 
   // A cone in a place: held against all nodes above it, up to the root, but for one. Takes the cone.
@@ -207,13 +214,32 @@ class CellDoubts {
         const Child here = tree_.child_at(cone->at);
         if (here.is_out()) {
           for (std::uint32_t p = here.is_empty() ? none : here.first_piece(); p != none; p = tree_.pieces()[p].next)
-            doubt(tree_.pieces()[p].facet, seen_on(*cone, tree_.pieces()[p].facet).area);
+            look_at_leaf(*cone, tree_.pieces()[p]);
         }
         if (here.is_out() || against(*cone, here.node(), -1) == 0) return w_.pool.give_back(cone);
         cone->at = here.node() * 2;
         pending.push_back(cone);
       });
     }
+  }
+
+  // What rests at a leaf fills a part of it only.
+  void look_at_leaf(const Cone& from, const Piece& piece) {
+    const auto any = [](EdgeRef) { return true; };
+    SignCounts counts;
+    Cone* cone = copied(from);
+    for (const ConeCorner& c : tree_.corners(piece)) {
+      const Line& line = lines_(c.edge.line());
+      const std::uint32_t inside = c.edge.negative() ? 1 : 0;
+      Cone* other;
+      const std::uint32_t side = sift(cone, line.n, line.error, c.edge.line(), lines_, any, w_.pool, w_.spill, other, counts);
+      if (side != inside) std::swap(cone, other);
+      if (other) w_.pool.give_back(other);
+      if (!cone) return;
+    }
+    if (const double share = shares_against(*cone, piece.facet, -1).other; share > 0)
+      doubt(piece.facet, share * seen_on(*cone, piece.facet).area);
+    w_.pool.give_back(cone);
   }
 
   // Cuts a cone by the SP-nodes below a place, down to where `stop` says. Takes the cone; take() gets the parts.
@@ -272,10 +298,11 @@ class CellDoubts {
 double LightTree::most_area(std::uint32_t i, const ExactLight& exact) const {
   const Facet& facet = scene_.facets()[i];
   const Plane& plane = scene_.planes()[facet.plane];
+  const int front = exact.turned(plane);
   std::vector<Vec3> points;
   for (const Corner& c : scene_.corners_of(facet)) {
     const Vec3& x = scene_.vertices()[c.vertex];
-    points.push_back(exact.ahead(plane, x) > 0 ? exact.point(plane, {&x, false, nullptr, nullptr, false, false}) : x);
+    points.push_back(front != 0 && exact.ahead(plane, x) > 0 ? exact.point(plane, {&x, false, nullptr, nullptr, false, false}) : x);
   }
   Vec3 sum = Vec3::Zero();
   double perimeter = 0, extent = 0;
