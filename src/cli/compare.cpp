@@ -162,19 +162,28 @@ class LitFragments {
 
 }  // namespace
 
-Difference compare(const Scene& scene, const Shadows& one, const Shadows& other) {
+std::vector<double> lit_differences(const Scene& scene, const Shadows& one, const Shadows& other) {
   const LitFragments lit_one(scene, one), lit_other(scene, other);
   Layer layer_one, layer_other;
+  std::vector<double> by_face(scene.faces().size(), 0);
+  for (std::uint32_t f = 0; f < scene.faces().size(); ++f) {
+    const Face& face = scene.faces()[f];
+    for (std::uint32_t k = face.first_facet; k < face.first_facet + face.facet_count; ++k) {
+      lit_one.lay_flat(k, layer_one);
+      lit_other.lay_flat(k, layer_other);
+      by_face[f] += symmetric_difference(layer_one, layer_other);
+    }
+  }
+  return by_face;
+}
+
+Difference compare(const Scene& scene, const Shadows& one, const Shadows& other) {
+  const std::vector<double> regions = lit_differences(scene, one, other);
   Difference greatest;
   for (std::uint32_t f = 0; f < scene.faces().size(); ++f) {
     const Face& face = scene.faces()[f];
     if (face.facet_count == 0) continue;
-    double region = 0;
-    for (std::uint32_t k = face.first_facet; k < face.first_facet + face.facet_count; ++k) {
-      lit_one.lay_flat(k, layer_one);
-      lit_other.lay_flat(k, layer_other);
-      region += symmetric_difference(layer_one, layer_other);
-    }
+    const double region = regions[f];
     const double area = std::abs(one.areas[f].lit - other.areas[f].lit);
     const double share = std::isfinite(region + area) ? std::max(region, area) / face.area : std::numeric_limits<double>::infinity();
     if (greatest.face == none || share > greatest.share) greatest = {share, f};

@@ -10,9 +10,12 @@ struct Difference {
   std::uint32_t face = none;  // where it is greatest
 };
 
-// For each face the greater of two: the difference of the lit areas, as both state them; and the area of the symmetric difference of the
-// lit regions, computed from the fragments' corners. Fragments that overlap count as a difference.
+// The area of the symmetric difference of the lit regions, by face, computed from the fragments' corners. Fragments that overlap count as
+// a difference.
 // Cost: about the number of lit fragments, where they are spread evenly over their faces.
+std::vector<double> lit_differences(const Scene& scene, const Shadows& one, const Shadows& other);
+
+// For each face the greater of two: the difference of the lit areas, as both state them, and the above.
 Difference compare(const Scene& scene, const Shadows& one, const Shadows& other);
 
 }  // namespace shadowcut::cli

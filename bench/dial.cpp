@@ -1,0 +1,468 @@
+// The dial: what every way to shadows takes, and how wrong it is.
+//
+//   shadowcut_bench_dial --json bench/baseline/dial.json [--only TEXT]... [--seconds S]
+//
+// A row is a scene, a light and a method:
+//
+//   shadowcut  kernels x forms; one thread, the one-off call
+//   rays       Embree, 16 to 4 096 shadow rays a face
+//   map        a shadow map of 256 to 8 192 texels a side, looked up at 1 024 points a face
+//   edits      Engine after a script of 200 moves: kernels x join thresholds
+//
+// Time is the whole job's, the minimum of its repeats, on one thread; for samplers from the scene to the lit area of every face.
+//
+// Errors are against the exact kernel's result, over the faces turned to the light:
+//   symmetric_difference  area of the symmetric difference of the lit regions; of a map, the area of the points where it is wrong, with
+//                         rays for the truth; of rays there is none, since they give areas only
+//   area_error            sum over faces of | lit area - exact lit area |; never more than the above
+//   wrong faces           lit (over 1e-6 of the face) although wholly shadowed (to 1e-9), and the reverse; and missed: a lit or shadowed
+//   part
+//                         of over a hundredth of the face, of which nothing is reported
+// A row that would take longer than --seconds, by the row before, is left out and says so ("skipped", with the estimate).
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
+#include <shadowcut/io.hpp>
+
+#include "compare.hpp"
+#include "samplers.hpp"
+#include "scenes.hpp"
+
+namespace {
+
+using namespace shadowcut;
+using namespace shadowcut::bench;
+using nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+struct Arguments {
+  std::vector<std::string> only;
+  std::string json;
+  double seconds = 20;
+};
+
+double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+
+// ---- scenes
+
+struct Setup {
+  std::string name;
+  std::function<Scene()> make;  // with its light
+  bool sun;                     // once more, under a sun
+};
+
+// A light above and beside a model, in general position.
+Light lamp_over(const Scene& scene) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& v : scene.vertices()) box.extend(v);
+  return Light::point(box.center() + Vec3(0.7131, 0.4177, 1.3519).cwiseProduct(box.sizes()) +
+                      0.017 * box.diagonal().norm() * Vec3(1, 2, 3));
+}
+
+Setup made(const std::string& name, bool sun = false) {
+  return {name, [name] { return scenes::build(scenes::named(name)); }, sun};
+}
+
+Setup model(const std::string& name, const std::string& path, bool sun = false) {
+  const auto read = [path] {
+    Scene scene = io::read_scene(path);
+    scene.replace_lights(std::vector<Light>{lamp_over(scene)});
+    return scene;
+  };
+  return {name, read, sun};
+}
+
+std::vector<Setup> setups() {
+  return {made("room:4"),
+          made("furnished_room"),
+          made("city:18"),
+          made("city:57", true),
+          made("tetrahedron:4", true),
+          made("spheres:12", true),
+          made("triangles:3000"),
+          model("house", "/usr/share/assimp/models/IFC/AC14-FZK-Haus.ifc", true),
+          model("bunny", "/usr/share/glmark2/models/bunny.obj")};
+}
+
+// ---- methods
+
+struct Setting {
+  std::string name;
+  ordered_json parameters;
+  Options options;
+};
+
+constexpr const char* kReference = "exact pieces";
+
+Options single_thread(Kernel kernel, Form form) {
+  Options o;
+  o.kernel = kernel;
+  o.form = form;
+  o.threads = 1;
+  return o;
+}
+
+constexpr std::pair<Kernel, const char*> kKernels[] = {{Kernel::fast, "fast"}, {Kernel::exact, "exact"}};
+
+std::vector<Setting> settings() {
+  constexpr std::pair<Form, const char*> kForms[] = {{Form::pieces, "pieces"}, {Form::merged, "merged"}, {Form::conforming, "conforming"}};
+  std::vector<Setting> all;
+  for (const auto& [kernel, kernel_name] : kKernels)
+    for (const auto& [form, form_name] : kForms)
+      all.push_back(
+          {std::string(kernel_name) + " " + form_name, {{"kernel", kernel_name}, {"form", form_name}}, single_thread(kernel, form)});
+  // The same regions from another tree: what the comparison itself cannot tell apart.
+  Setting floor{"exact pieces, another order", {{"kernel", "exact"}, {"form", "pieces"}, {"order", "random"}}, {}};
+  floor.options = single_thread(Kernel::exact, Form::pieces);
+  floor.options.order = Order::random;
+  all.push_back(floor);
+  return all;
+}
+
+// Runs a job again and again for a while, and keeps the quickest.
+template <class Job>
+auto quickest(const Job& job) {
+  const Clock::time_point start = Clock::now();
+  auto best = job();
+  for (int k = 1; k < 9 && ms_since(start) < 600; ++k) {
+    auto next = job();
+    if (next.ms < best.ms) best = std::move(next);
+  }
+  return best;
+}
+
+// ---- errors
+
+class Errors {
+ public:
+  Errors(const Scene& scene, const Shadows& exact) : scene_(scene), exact_(exact) {}
+
+  // Given the lit area of every face.
+  ordered_json json(std::span<const double> lit) const {
+    double sum = 0, greatest = 0, greatest_share = 0;
+    std::size_t lit_where_shadowed = 0, shadowed_where_lit = 0, missed = 0;
+    for (std::size_t f = 0; f < exact_.areas.size(); ++f) {
+      const FaceArea& is = exact_.areas[f];
+      if (is.facing != Facing::toward) continue;
+      const double error = std::abs(lit[f] - is.lit);
+      sum += error, greatest = std::max(greatest, error), greatest_share = std::max(greatest_share, error / is.area);
+      const double dark = is.area - lit[f];
+      if (is.lit <= 1e-9 * is.area && lit[f] > 1e-6 * is.area) ++lit_where_shadowed;
+      if (is.shadowed <= 1e-9 * is.area && dark > 1e-6 * is.area) ++shadowed_where_lit;
+      if ((is.lit > 1e-2 * is.area && lit[f] <= 1e-6 * is.area) || (is.shadowed > 1e-2 * is.area && dark <= 1e-6 * is.area)) ++missed;
+    }
+    const Stats& stats = exact_.stats;
+    return {{"area_error", sum},
+            {"area_error_share", sum / stats.facing_area},
+            {"mean_abs_area_error", sum / static_cast<double>(stats.facing_faces)},
+            {"max_abs_area_error", greatest},
+            {"max_share_of_a_face", greatest_share},
+            {"lit_where_shadowed", lit_where_shadowed},
+            {"shadowed_where_lit", shadowed_where_lit},
+            {"missed", missed}};
+  }
+
+  ordered_json json(const Shadows& shadows) const {
+    std::vector<double> lit;
+    for (const FaceArea& a : shadows.areas) lit.push_back(a.lit);
+    const std::vector<double> regions = cli::lit_differences(scene_, shadows, exact_);
+    return with_difference(json(lit), std::accumulate(regions.begin(), regions.end(), 0.0));
+  }
+
+  ordered_json with_difference(ordered_json errors, double difference) const {
+    errors["symmetric_difference"] = difference;
+    errors["symmetric_share"] = difference / exact_.stats.facing_area;
+    return errors;
+  }
+
+  const Shadows& exact() const { return exact_; }
+
+ private:
+  const Scene& scene_;
+  const Shadows& exact_;
+};
+
+// ---- rows
+
+// The rows of one scene and light.
+class Bench {
+ public:
+  explicit Bench(const Arguments& a) : arguments_(a) {}
+
+  void run(const std::string& name, const Scene& scene);
+
+  ordered_json json() const { return {{"seconds", arguments_.seconds}, {"rows", rows_}}; }
+
+ private:
+  struct Cast {
+    double ms;
+    Shadows shadows;
+  };
+  struct Sampled {
+    double ms, structure_ms;
+    std::vector<double> lit;  // by Receivers' index
+    std::size_t bytes, images;
+  };
+
+  bool wanted(const std::string& method) const {
+    const std::string row = scene_name_ + " " + method;
+    const auto holds = [&row](const std::string& text) { return row.find(text) != std::string::npos; };
+    return arguments_.only.empty() || std::any_of(arguments_.only.begin(), arguments_.only.end(), holds);
+  }
+
+  static Cast cast(const Scene& scene, const Options& options) {
+    const Clock::time_point start = Clock::now();
+    Shadows shadows = cast_shadows(scene, scene.lights()[0], options);
+    return {ms_since(start), std::move(shadows)};
+  }
+
+  void ours(const Scene& scene, const Errors& errors);
+  void rays(const Scene& scene, const Errors& errors);
+  void maps(const Scene& scene, const Errors& errors);
+  void edits(const Scene& scene);
+  std::vector<double> by_face(const Scene& scene, const Receivers& receivers, std::span<const double> lit) const;
+  bool skipped(const std::string& method, ordered_json parameters, double estimate_ms);
+  void add(const std::string& method, ordered_json parameters, ordered_json times, const ordered_json& errors);
+
+  const Arguments& arguments_;
+  std::string scene_name_;  // with its light
+  ordered_json scene_;
+  ordered_json rows_ = ordered_json::array();
+};
+
+void Bench::add(const std::string& method, ordered_json parameters, ordered_json times, const ordered_json& errors) {
+  ordered_json row = scene_;
+  row["method"] = method;
+  row["parameters"] = std::move(parameters);
+  row.update(times);
+  row.update(errors);
+  const bool has_difference = row.contains("symmetric_share");
+  std::printf("%-22s %-9s %-40s %10.3f ms  area error %8.2e  difference %8.2e  wrong %d + %d  missed %d\n", scene_name_.c_str(),
+              method.c_str(), row["parameters"].dump().c_str(), row["ms"].get<double>(), row["area_error_share"].get<double>(),
+              has_difference ? row["symmetric_share"].get<double>() : NAN, row["lit_where_shadowed"].get<int>(),
+              row["shadowed_where_lit"].get<int>(), row["missed"].get<int>());
+  std::fflush(stdout);
+  rows_.push_back(std::move(row));
+}
+
+// True, with a row that says so, when it would take too long.
+bool Bench::skipped(const std::string& method, ordered_json parameters, double estimate_ms) {
+  if (estimate_ms <= 1e3 * arguments_.seconds) return false;
+  ordered_json row = scene_;
+  row["method"] = method;
+  row["parameters"] = std::move(parameters);
+  row["skipped"] = {{"estimate_ms", estimate_ms}};
+  std::printf("%-22s %-9s %-40s skipped: about %.0f s\n", scene_name_.c_str(), method.c_str(), row["parameters"].dump().c_str(),
+              1e-3 * estimate_ms);
+  rows_.push_back(std::move(row));
+  return true;
+}
+
+void Bench::ours(const Scene& scene, const Errors& errors) {
+  for (const Setting& s : settings()) {
+    if (!wanted("shadowcut " + s.name)) continue;
+    const Cast c = quickest([&] { return cast(scene, s.options); });
+    const Stats& stats = c.shadows.stats;
+    ordered_json parameters = s.parameters;
+    if (s.name == kReference) parameters["reference"] = true;
+    add("shadowcut", parameters,
+        {{"ms", c.ms},
+         {"build_ms", stats.build_ms},
+         {"emit_ms", stats.emit_ms},
+         {"nodes", stats.nodes},
+         {"lit_fragments", stats.lit_fragments},
+         {"fragments", stats.lit_fragments + stats.shadowed_fragments},
+         {"bytes", stats.bytes}},
+        errors.json(c.shadows));
+  }
+}
+
+std::vector<double> Bench::by_face(const Scene& scene, const Receivers& receivers, std::span<const double> lit) const {
+  std::vector<double> all(scene.faces().size(), 0);
+  for (std::size_t i = 0; i < lit.size(); ++i) all[receivers.target(i).face] = lit[i];
+  return all;
+}
+
+void Bench::rays(const Scene& scene, const Errors& errors) {
+  const Light& light = scene.lights()[0];
+  double last = 0;
+  for (const std::uint32_t side : {4u, 8u, 16u, 32u, 64u}) {
+    const std::uint32_t samples = side * side;
+    if (!wanted("rays " + std::to_string(samples))) continue;
+    if (skipped("rays", {{"samples", samples}}, 4 * last)) continue;
+    const Receivers receivers(scene, light, errors.exact().areas);
+    const Sampled s = quickest([&]() -> Sampled {
+      const Clock::time_point start = Clock::now();
+      const Rays sampler(scene, light);
+      const double structure_ms = ms_since(start);
+      std::vector<double> lit = lit_areas(Receivers(scene, light, errors.exact().areas), Pattern(side, samples), sampler);
+      return {ms_since(start), structure_ms, std::move(lit), 0, 0};
+    });
+    last = s.ms;
+    add("rays", {{"samples", samples}},
+        {{"ms", s.ms}, {"structure_ms", s.structure_ms}, {"sample_ms", s.ms - s.structure_ms}, {"points", receivers.size() * samples}},
+        errors.json(by_face(scene, receivers, s.lit)));
+  }
+}
+
+void Bench::maps(const Scene& scene, const Errors& errors) {
+  const Light& light = scene.lights()[0];
+  const std::uint32_t points = 32;  // a side
+  double last_structure = 0, last_samples = 0;
+  const Rays truth(scene, light);
+  const Receivers receivers(scene, light, errors.exact().areas);
+  const Pattern pattern(points, points * points);
+  for (const std::uint32_t side : {256u, 512u, 1024u, 2048u, 4096u, 8192u}) {
+    if (!wanted("map " + std::to_string(side))) continue;
+    if (skipped("map", {{"side", side}}, 4 * last_structure + last_samples)) continue;
+    const Sampled s = quickest([&]() -> Sampled {
+      const Clock::time_point start = Clock::now();
+      const ShadowMap sampler(scene, light, side);
+      const double structure_ms = ms_since(start);
+      std::vector<double> lit = lit_areas(Receivers(scene, light, errors.exact().areas), pattern, sampler);
+      return {ms_since(start), structure_ms, std::move(lit), sampler.bytes(), sampler.images()};
+    });
+    last_structure = s.structure_ms, last_samples = s.ms - s.structure_ms;
+    const ShadowMap map(scene, light, side);
+    double wrong = 0;
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+      const Receivers::Target target = receivers.target(i);
+      const std::size_t n = Receivers::count(
+          target, pattern, [&](const Vec3& x, const Vec3& normal) { return map.is_lit(x, normal) != truth.is_lit(x, normal); });
+      wrong += target.area * static_cast<double>(n) / static_cast<double>(pattern.points().size());
+    }
+    add("map", {{"side", side}},
+        {{"ms", s.ms},
+         {"structure_ms", s.structure_ms},
+         {"sample_ms", s.ms - s.structure_ms},
+         {"points", receivers.size() * points * points},
+         {"images", s.images},
+         {"bytes", s.bytes}},
+        errors.with_difference(errors.json(by_face(scene, receivers, s.lit)), wrong));
+  }
+}
+
+// ---- edits
+
+// 200 moves: an object by about a tenth of its size, level; every tenth goes home.
+template <class Update>
+void move_about(Scene& scene, const Update& update) {
+  scenes::Random random(200);
+  std::vector<Pose> homes;
+  std::vector<std::size_t> movable;
+  for (std::size_t i = 0; i < scene.objects().size(); ++i) {
+    const Object& object = scene.objects()[i];
+    homes.push_back(object.pose);
+    if (object.alive && object.face_count > 0 && i > 0) movable.push_back(i);  // the first is the ground, or the walls
+  }
+  for (int k = 0; k < 200; ++k) {
+    const std::size_t i = movable[random.below(movable.size())];
+    const Object& object = scene.objects()[i];
+    Eigen::AlignedBox3d box;
+    for (std::uint32_t v = 0; v < object.vertex_count; ++v) box.extend(scene.vertices()[object.first_vertex + v]);
+    const Vec3 by = 0.1 * box.diagonal().norm() * random.in_ball(1);
+    const bool goes_home = random.below(10) == 0;
+    const Pose pose = goes_home ? homes[i] : Eigen::Translation3d(by.x(), by.y(), 0) * object.pose;
+    if (scene.set_pose(scene.object_id(i), pose) != Edit::done) throw Error("a pose was not set");
+    update();
+  }
+}
+
+void Bench::edits(const Scene& home) {
+  if (home.objects().size() < 3) return;
+  std::vector<std::pair<const char*, std::uint32_t>> rows;
+  for (const std::uint32_t threshold : {0u, 2u, 6u, 16u}) rows.emplace_back("fast", threshold);
+  rows.emplace_back("exact", Options().join_threshold);
+  Scene moved = home;
+  move_about(moved, [] {});
+  std::optional<Cast> exact;
+  for (const auto& [kernel, threshold] : rows) {
+    if (!wanted(std::string("edits ") + kernel + " " + std::to_string(threshold))) continue;
+    if (!exact) exact = cast(moved, single_thread(Kernel::exact, Form::pieces));
+    Options o = single_thread(kernel == std::string("exact") ? Kernel::exact : Kernel::fast, Form::merged);
+    o.join_threshold = threshold;
+    Engine fresh(moved, o);
+    fresh.update();
+    struct Run {
+      double ms, greatest_ms;
+      ordered_json found, errors;
+    };
+    const Run best = quickest([&]() -> Run {
+      Scene scene = home;
+      Engine engine(scene, o);
+      engine.update();
+      std::vector<double> ms;
+      move_about(scene, [&] {
+        const Clock::time_point start = Clock::now();
+        engine.update();
+        ms.push_back(ms_since(start));
+      });
+      std::sort(ms.begin(), ms.end());
+      const Stats& stats = engine.shadows(0).stats;
+      const ordered_json found{{"nodes", stats.nodes}, {"marked_nodes", stats.marked_nodes}, {"bytes", stats.bytes}};
+      return {ms[ms.size() / 2], ms.back(), found, Errors(moved, exact->shadows).json(engine.shadows(0))};
+    });
+    ordered_json figures{{"ms", best.ms}, {"greatest_ms", best.greatest_ms}, {"fresh_nodes", fresh.shadows(0).stats.nodes}};
+    figures.update(best.found);
+    add("edits", {{"kernel", kernel}, {"join_threshold", threshold}}, figures, best.errors);
+  }
+}
+
+void Bench::run(const std::string& name, const Scene& scene) {
+  const Light& light = scene.lights()[0];
+  const char* kind = light.kind == Light::Kind::point ? "point" : "sun";
+  scene_name_ = name + " " + kind;
+  const Shadows exact = cast_shadows(scene, light, single_thread(Kernel::exact, Form::pieces));
+  scene_ = {{"scene", name},
+            {"light", kind},
+            {"facing_faces", exact.stats.facing_faces},
+            {"facing_area", exact.stats.facing_area},
+            {"lit_area", exact.stats.lit_area}};
+  const Errors errors(scene, exact);
+  ours(scene, errors);
+  rays(scene, errors);
+  maps(scene, errors);
+  if (light.kind == Light::Kind::point) edits(scene);
+}
+
+void run(const Arguments& a) {
+  Bench bench(a);
+  for (const Setup& setup : setups()) {
+    Scene scene = setup.make();
+    bench.run(setup.name, scene);
+    if (!setup.sun) continue;
+    scene.replace_lights(std::vector<Light>{Light::directional({0.4131, 0.2713, -1})});
+    bench.run(setup.name, scene);
+  }
+  if (a.json.empty()) return;
+  std::ofstream out(a.json);
+  out << bench.json().dump(1) << "\n";
+  if (!out.flush()) throw Error(a.json + ": cannot be written");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  CLI::App app("Time against error, for every way to shadows", "shadowcut_bench_dial");
+  app.add_option("--only", a.only, "Rows (scene light method parameters) that contain this: \"city:57 point\", \"rays 256\", edits")
+      ->type_size(1)
+      ->allow_extra_args(false);
+  app.add_option("--seconds", a.seconds, "Leave out rows that would take longer (20)")->check(CLI::PositiveNumber);
+  app.add_option("--json", a.json)->type_name("FILE");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(a);
+  } catch (const Error& error) {
+    std::cerr << "shadowcut_bench_dial: " << error.what() << "\n";
+    return 2;
+  }
+}

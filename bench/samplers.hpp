@@ -1,0 +1,133 @@
+// What exact shadows are measured against: shadow rays and a shadow map, each as one would write it with care. Both say of a point whether
+// it is lit; the lit area of a face is then the share of its sample points that are, times its area. On one thread, without a GPU.
+//
+// Both are asked the engine's question: is there, strictly between the point and the light, a face that casts? Faces turned away from the
+// light (the engine's FaceArea::facing) are not sampled, and of a face in several facets those that are turned away are dark.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <memory>
+#include <shadowcut/shadows.hpp>
+#include <span>
+#include <vector>
+
+namespace shadowcut::bench {
+
+// A jittered grid in the unit square.
+class Pattern {
+ public:
+  Pattern(std::uint32_t side, std::uint64_t seed);
+  std::span<const Eigen::Vector2d> points() const { return points_; }
+
+ private:
+  std::vector<Eigen::Vector2d> points_;
+};
+
+// The faces turned to the light, and points on them.
+class Receivers {
+ public:
+  Receivers(const Scene& scene, const Light& light, std::span<const FaceArea> areas);
+
+  struct Triangle {
+    Vec3 a, ab, ac;
+    Vec3 normal;        // to the light
+    double begin, end;  // share of the face's area before it, and with it
+    bool turned_away;
+  };
+  struct Target {
+    std::uint32_t face;  // index into Scene::faces()
+    double area;
+    Vec3 shift;  // of the pattern, which wraps around; z is not used
+    std::span<const Triangle> triangles;
+  };
+  std::size_t size() const { return faces_.size(); }
+  Target target(std::size_t i) const;
+
+  // Calls visit(point, normal) for each of the pattern's points on a face, and returns for how many of them it returned true.
+  template <class Visit>
+  static std::size_t count(const Target& target, const Pattern& pattern, const Visit& visit) {
+    std::size_t n = 0;
+    for (const Eigen::Vector2d& p : pattern.points()) {
+      const double u = wrapped(p.x() + target.shift.x()), v = wrapped(p.y() + target.shift.y());
+      std::size_t k = 0;
+      while (k + 1 < target.triangles.size() && u >= target.triangles[k].end) ++k;
+      const Triangle& t = target.triangles[k];
+      if (t.turned_away) continue;
+      // The square goes to the triangle with areas in proportion; strata stay together.
+      const double r = std::sqrt((u - t.begin) / (t.end - t.begin));
+      n += visit(Vec3(t.a + t.ab * (r * (1 - v)) + t.ac * (r * v)), t.normal) ? 1 : 0;
+    }
+    return n;
+  }
+
+ private:
+  static double wrapped(double x) { return x < 1 ? x : x - 1; }
+
+  struct Range {
+    std::uint32_t face;
+    std::size_t first, count;
+    double area;
+  };
+  std::vector<Range> faces_;
+  std::vector<Triangle> triangles_;
+};
+
+// The lit area of each receiver's face, by Receivers' index.
+template <class Sampler>
+std::vector<double> lit_areas(const Receivers& receivers, const Pattern& pattern, const Sampler& sampler) {
+  std::vector<double> lit;
+  lit.reserve(receivers.size());
+  for (std::size_t i = 0; i < receivers.size(); ++i) {
+    const Receivers::Target target = receivers.target(i);
+    const std::size_t n = Receivers::count(target, pattern, [&](const Vec3& x, const Vec3& normal) { return sampler.is_lit(x, normal); });
+    lit.push_back(target.area * static_cast<double>(n) / static_cast<double>(pattern.points().size()));
+  }
+  return lit;
+}
+
+// Embree's rtcOccluded1, in the robust mode. Single precision: coordinates are taken from the scene's middle, and a ray starts 2^-20 of
+// the scene's radius off its face, towards the light, so that neither the face itself nor one that touches it is in the way.
+class Rays {
+ public:
+  Rays(const Scene& scene, const Light& light);
+  bool is_lit(const Vec3& x, const Vec3& normal) const;
+
+ private:
+  struct Free {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+  };
+  Light light_;
+  Vec3 middle_ = Vec3::Zero();
+  double offset_ = 0;
+  std::unique_ptr<RTCDeviceTy, Free> device_;
+  std::unique_ptr<RTCSceneTy, Free> scene_;
+};
+
+// A depth image from the light in single precision, or for a light among the faces a cube of six. What a texel holds is moved away from the
+// light by slope x 1.1 + 4 units, as OpenGL's polygon offset does; the nearest texel answers. The window is fitted around the scene.
+class ShadowMap {
+ public:
+  ShadowMap(const Scene& scene, const Light& light, std::uint32_t side);
+  bool is_lit(const Vec3& x, const Vec3& normal) const;
+  std::size_t bytes() const;
+  std::size_t images() const { return views_.size(); }
+
+ private:
+  struct View {
+    Eigen::Matrix4d map;  // (point, 1) to (x, y, nearness, 1) times a weight, x and y in texels
+    std::vector<float> nearness;
+  };
+  void add_view(const Eigen::Matrix4d& map);
+  void draw(View& view, const Scene& scene) const;
+  void fill(View& view, std::span<const Vec3> polygon) const;
+  const View& view_of(const Vec3& x) const;
+
+  std::uint32_t side_;
+  Vec3 light_ = Vec3::Zero();
+  double nearest_ = 0;  // no face is drawn nearer to the light
+  std::vector<View> views_;
+};
+
+}  // namespace shadowcut::bench
