@@ -5,11 +5,12 @@
 // A row is a scene, a light and a method:
 //
 //   shadowcut  kernels x forms; one thread, the one-off call
-//   rays       Embree, 16 to 4 096 shadow rays a face
+//   rays       Embree, 1 to 4 096 shadow rays a face; by area: in the mean, large faces get more
 //   map        a shadow map of 256 to 8 192 texels a side, looked up at 1 024 points a face
 //   edits      Engine after a script of 200 moves: kernels x join thresholds
 //
-// Time is the whole job's, the minimum of its repeats, on one thread; for samplers from the scene to the lit area of every face.
+// Time is the whole job's, the minimum of its repeats, on one thread and of that thread; for samplers from the scene to the lit area of
+// every face.
 //
 // Errors are against the exact kernel's result, over the faces turned to the light:
 //   symmetric_difference  area of the symmetric difference of the lit regions; of a map, the area of the points where it is wrong, with
@@ -21,9 +22,9 @@
 // A row that would take longer than --seconds, by the row before, is left out and says so ("skipped", with the estimate).
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <functional>
 #include <iostream>
@@ -41,7 +42,6 @@ namespace {
 using namespace shadowcut;
 using namespace shadowcut::bench;
 using nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
 
 struct Arguments {
   std::vector<std::string> only;
@@ -49,7 +49,19 @@ struct Arguments {
   double seconds = 20;
 };
 
-double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+// Processor time: everything here runs on one thread, and on a machine that others use the wall clock would favour short jobs.
+class Stopwatch {
+ public:
+  double ms() const { return 1e-6 * static_cast<double>(now() - start_); }
+
+ private:
+  static std::int64_t now() {
+    timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return t.tv_sec * std::int64_t{1'000'000'000} + t.tv_nsec;
+  }
+  std::int64_t start_ = now();
+};
 
 // ---- scenes
 
@@ -130,9 +142,9 @@ std::vector<Setting> settings() {
 // Runs a job again and again for a while, and keeps the quickest.
 template <class Job>
 auto quickest(const Job& job) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   auto best = job();
-  for (int k = 1; k < 9 && ms_since(start) < 600; ++k) {
+  for (int k = 1; k < 9 && watch.ms() < 600; ++k) {
     auto next = job();
     if (next.ms < best.ms) best = std::move(next);
   }
@@ -190,6 +202,13 @@ class Errors {
   const Shadows& exact_;
 };
 
+// From Receivers' index to the scene's.
+std::vector<double> by_face(const Scene& scene, const Receivers& receivers, std::span<const double> lit) {
+  std::vector<double> all(scene.faces().size(), 0);
+  for (std::size_t i = 0; i < lit.size(); ++i) all[receivers.target(i).face] = lit[i];
+  return all;
+}
+
 // ---- rows
 
 // The rows of one scene and light.
@@ -208,8 +227,14 @@ class Bench {
   };
   struct Sampled {
     double ms, structure_ms;
-    std::vector<double> lit;  // by Receivers' index
-    std::size_t bytes, images;
+    std::vector<double> lit;  // by face
+    std::size_t points, images, bytes;
+
+    ordered_json json() const {
+      ordered_json figures{{"ms", ms}, {"structure_ms", structure_ms}, {"sample_ms", ms - structure_ms}, {"points", points}};
+      if (images > 0) figures.update({{"images", images}, {"bytes", bytes}});
+      return figures;
+    }
   };
 
   bool wanted(const std::string& method) const {
@@ -219,16 +244,15 @@ class Bench {
   }
 
   static Cast cast(const Scene& scene, const Options& options) {
-    const Clock::time_point start = Clock::now();
+    const Stopwatch watch;
     Shadows shadows = cast_shadows(scene, scene.lights()[0], options);
-    return {ms_since(start), std::move(shadows)};
+    return {watch.ms(), std::move(shadows)};
   }
 
   void ours(const Scene& scene, const Errors& errors);
   void rays(const Scene& scene, const Errors& errors);
   void maps(const Scene& scene, const Errors& errors);
   void edits(const Scene& scene);
-  std::vector<double> by_face(const Scene& scene, const Receivers& receivers, std::span<const double> lit) const;
   bool skipped(const std::string& method, ordered_json parameters, double estimate_ms);
   void add(const std::string& method, ordered_json parameters, ordered_json times, const ordered_json& errors);
 
@@ -285,68 +309,59 @@ void Bench::ours(const Scene& scene, const Errors& errors) {
   }
 }
 
-std::vector<double> Bench::by_face(const Scene& scene, const Receivers& receivers, std::span<const double> lit) const {
-  std::vector<double> all(scene.faces().size(), 0);
-  for (std::size_t i = 0; i < lit.size(); ++i) all[receivers.target(i).face] = lit[i];
-  return all;
-}
-
 void Bench::rays(const Scene& scene, const Errors& errors) {
   const Light& light = scene.lights()[0];
-  double last = 0;
-  for (const std::uint32_t side : {4u, 8u, 16u, 32u, 64u}) {
-    const std::uint32_t samples = side * side;
-    if (!wanted("rays " + std::to_string(samples))) continue;
-    if (skipped("rays", {{"samples", samples}}, 4 * last)) continue;
-    const Receivers receivers(scene, light, errors.exact().areas);
-    const Sampled s = quickest([&]() -> Sampled {
-      const Clock::time_point start = Clock::now();
-      const Rays sampler(scene, light);
-      const double structure_ms = ms_since(start);
-      std::vector<double> lit = lit_areas(Receivers(scene, light, errors.exact().areas), Pattern(side, samples), sampler);
-      return {ms_since(start), structure_ms, std::move(lit), 0, 0};
-    });
-    last = s.ms;
-    add("rays", {{"samples", samples}},
-        {{"ms", s.ms}, {"structure_ms", s.structure_ms}, {"sample_ms", s.ms - s.structure_ms}, {"points", receivers.size() * samples}},
-        errors.json(by_face(scene, receivers, s.lit)));
+  for (const bool by_area : {false, true}) {
+    const std::string method = by_area ? "rays by area" : "rays";
+    double last = 0;
+    for (const std::uint32_t samples : {1u, 4u, 16u, 64u, 256u, 1024u, 4096u}) {
+      if ((by_area && samples < 16) || !wanted(method + " " + std::to_string(samples))) continue;
+      if (skipped(method, {{"samples", samples}}, 4 * last)) continue;
+      const Sampled s = quickest([&]() -> Sampled {
+        const Stopwatch watch;
+        const Rays sampler(scene, light);
+        const double structure_ms = watch.ms();
+        const Receivers receivers(scene, light, errors.exact().areas);
+        const std::vector<std::uint32_t> strata = receivers.strata(samples, by_area);
+        std::vector<double> lit =
+            areas_where(receivers, strata, [&](const Vec3& x, const Vec3& normal) { return sampler.is_lit(x, normal); });
+        const double ms = watch.ms();
+        const std::size_t points = std::transform_reduce(strata.begin(), strata.end(), std::size_t{0}, std::plus<>(),
+                                                         [](std::uint32_t n) { return std::size_t{n} * n; });
+        return {ms, structure_ms, by_face(scene, receivers, lit), points, 0, 0};
+      });
+      last = s.ms;
+      add(method, {{"samples", samples}}, s.json(), errors.json(s.lit));
+    }
   }
 }
 
 void Bench::maps(const Scene& scene, const Errors& errors) {
   const Light& light = scene.lights()[0];
-  const std::uint32_t points = 32;  // a side
+  const std::uint32_t points = 1024;  // a face
   double last_structure = 0, last_samples = 0;
   const Rays truth(scene, light);
-  const Receivers receivers(scene, light, errors.exact().areas);
-  const Pattern pattern(points, points * points);
   for (const std::uint32_t side : {256u, 512u, 1024u, 2048u, 4096u, 8192u}) {
     if (!wanted("map " + std::to_string(side))) continue;
     if (skipped("map", {{"side", side}}, 4 * last_structure + last_samples)) continue;
+    double wrong = 0;
     const Sampled s = quickest([&]() -> Sampled {
-      const Clock::time_point start = Clock::now();
-      const ShadowMap sampler(scene, light, side);
-      const double structure_ms = ms_since(start);
-      std::vector<double> lit = lit_areas(Receivers(scene, light, errors.exact().areas), pattern, sampler);
-      return {ms_since(start), structure_ms, std::move(lit), sampler.bytes(), sampler.images()};
+      const Stopwatch watch;
+      const ShadowMap map(scene, light, side);
+      const double structure_ms = watch.ms();
+      const Receivers receivers(scene, light, errors.exact().areas);
+      const std::vector<std::uint32_t> strata = receivers.strata(points, false);
+      const std::vector<double> lit = areas_where(receivers, strata, [&](const Vec3& x, const Vec3&) { return map.is_lit(x); });
+      const double ms = watch.ms();
+      if (wrong == 0) {
+        const std::vector<double> differ =
+            areas_where(receivers, strata, [&](const Vec3& x, const Vec3& normal) { return map.is_lit(x) != truth.is_lit(x, normal); });
+        wrong = std::accumulate(differ.begin(), differ.end(), 0.0);
+      }
+      return {ms, structure_ms, by_face(scene, receivers, lit), receivers.size() * points, map.images(), map.bytes()};
     });
     last_structure = s.structure_ms, last_samples = s.ms - s.structure_ms;
-    const ShadowMap map(scene, light, side);
-    double wrong = 0;
-    for (std::size_t i = 0; i < receivers.size(); ++i) {
-      const Receivers::Target target = receivers.target(i);
-      const std::size_t n = Receivers::count(
-          target, pattern, [&](const Vec3& x, const Vec3& normal) { return map.is_lit(x, normal) != truth.is_lit(x, normal); });
-      wrong += target.area * static_cast<double>(n) / static_cast<double>(pattern.points().size());
-    }
-    add("map", {{"side", side}},
-        {{"ms", s.ms},
-         {"structure_ms", s.structure_ms},
-         {"sample_ms", s.ms - s.structure_ms},
-         {"points", receivers.size() * points * points},
-         {"images", s.images},
-         {"bytes", s.bytes}},
-        errors.with_difference(errors.json(by_face(scene, receivers, s.lit)), wrong));
+    add("map", {{"side", side}}, s.json(), errors.with_difference(errors.json(s.lit), wrong));
   }
 }
 
@@ -401,9 +416,9 @@ void Bench::edits(const Scene& home) {
       engine.update();
       std::vector<double> ms;
       move_about(scene, [&] {
-        const Clock::time_point start = Clock::now();
+        const Stopwatch watch;
         engine.update();
-        ms.push_back(ms_since(start));
+        ms.push_back(watch.ms());
       });
       std::sort(ms.begin(), ms.end());
       const Stats& stats = engine.shadows(0).stats;

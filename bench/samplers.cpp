@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "io/convex_clip.hpp"
-#include "scenes.hpp"
 
 namespace shadowcut::bench {
 
@@ -23,16 +22,6 @@ bool casts(const Scene& scene, const Facet& facet) {
 }
 
 }  // namespace
-
-Pattern::Pattern(std::uint32_t side, std::uint64_t seed) {
-  scenes::Random random(seed);
-  for (std::uint32_t y = 0; y < side; ++y) {
-    for (std::uint32_t x = 0; x < side; ++x) {
-      const double u = x + random.unit(), v = y + random.unit();
-      points_.emplace_back(u / side, v / side);
-    }
-  }
-}
 
 Receivers::Receivers(const Scene& scene, const Light& light, std::span<const FaceArea> areas) {
   for (std::uint32_t f = 0; f < areas.size(); ++f) {
@@ -56,14 +45,22 @@ Receivers::Receivers(const Scene& scene, const Light& light, std::span<const Fac
     }
     for (std::size_t k = first; k < triangles_.size(); ++k) triangles_[k].begin /= area, triangles_[k].end /= area;
     faces_.push_back({f, first, triangles_.size() - first, areas[f].area});
+    area_ += areas[f].area;
   }
 }
 
 Receivers::Target Receivers::target(std::size_t i) const {
   const Range& r = faces_[i];
-  scenes::Random random(0x5EED + r.face);
-  const double u = random.unit(), v = random.unit();
-  return {r.face, r.area, {u, v, 0}, std::span(triangles_).subspan(r.first, r.count)};
+  return {r.face, r.area, std::span(triangles_).subspan(r.first, r.count)};
+}
+
+std::vector<std::uint32_t> Receivers::strata(std::uint32_t samples, bool by_area) const {
+  std::vector<std::uint32_t> all;
+  for (const Range& r : faces_) {
+    const double n = by_area ? std::max(4.0, samples * (static_cast<double>(faces_.size()) * (r.area / area_))) : samples;
+    all.push_back(static_cast<std::uint32_t>(std::lround(std::sqrt(n))));
+  }
+  return all;
 }
 
 // ---- rays
@@ -244,7 +241,7 @@ const ShadowMap::View& ShadowMap::view_of(const Vec3& x) const {
   return views_.size() == 1 ? views_[0] : views_[static_cast<std::size_t>(cube_face(x - light_))];
 }
 
-bool ShadowMap::is_lit(const Vec3& x, const Vec3&) const {
+bool ShadowMap::is_lit(const Vec3& x) const {
   const View& view = view_of(x);
   const Vec3 p = (view.map * x.homogeneous()).hnormalized();
   const auto texel = [&](double c) { return static_cast<std::size_t>(std::clamp(c, 0.0, side_ - 1.0)); };

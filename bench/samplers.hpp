@@ -7,22 +7,15 @@
 
 #include <embree3/rtcore.h>
 
+#include <cmath>
 #include <memory>
 #include <shadowcut/shadows.hpp>
 #include <span>
 #include <vector>
 
+#include "scenes.hpp"
+
 namespace shadowcut::bench {
-
-// A jittered grid in the unit square.
-class Pattern {
- public:
-  Pattern(std::uint32_t side, std::uint64_t seed);
-  std::span<const Eigen::Vector2d> points() const { return points_; }
-
- private:
-  std::vector<Eigen::Vector2d> points_;
-};
 
 // The faces turned to the light, and points on them.
 class Receivers {
@@ -38,32 +31,37 @@ class Receivers {
   struct Target {
     std::uint32_t face;  // index into Scene::faces()
     double area;
-    Vec3 shift;  // of the pattern, which wraps around; z is not used
     std::span<const Triangle> triangles;
   };
   std::size_t size() const { return faces_.size(); }
   Target target(std::size_t i) const;
 
-  // Calls visit(point, normal) for each of the pattern's points on a face, and returns for how many of them it returned true.
+  // Strata along each side of a face, for so many samples a face in the mean: the same for all, or by area and then at least four a face.
+  std::vector<std::uint32_t> strata(std::uint32_t samples, bool by_area) const;
+
+  // Calls visit(point, normal) at a random place in each of strata x strata parts of a face, and returns for how many it returned true.
   template <class Visit>
-  static std::size_t count(const Target& target, const Pattern& pattern, const Visit& visit) {
+  static std::size_t count(const Target& target, std::uint32_t strata, const Visit& visit) {
+    scenes::Random random(target.face * 0x10001ull + strata);
     std::size_t n = 0;
-    for (const Eigen::Vector2d& p : pattern.points()) {
-      const double u = wrapped(p.x() + target.shift.x()), v = wrapped(p.y() + target.shift.y());
-      std::size_t k = 0;
-      while (k + 1 < target.triangles.size() && u >= target.triangles[k].end) ++k;
-      const Triangle& t = target.triangles[k];
-      if (t.turned_away) continue;
-      // The square goes to the triangle with areas in proportion; strata stay together.
-      const double r = std::sqrt((u - t.begin) / (t.end - t.begin));
-      n += visit(Vec3(t.a + t.ab * (r * (1 - v)) + t.ac * (r * v)), t.normal) ? 1 : 0;
+    for (std::uint32_t x = 0; x < strata; ++x) {
+      for (std::uint32_t y = 0; y < strata; ++y) {
+        const std::uint64_t bits = random.next();
+        const double u = (x + static_cast<double>(bits >> 32) * 0x1p-32) / strata,
+                     v = (y + static_cast<double>(bits & 0xFFFFFFFF) * 0x1p-32) / strata;
+        std::size_t k = 0;
+        while (k + 1 < target.triangles.size() && u >= target.triangles[k].end) ++k;
+        const Triangle& t = target.triangles[k];
+        if (t.turned_away) continue;
+        // From the square to the triangle, with areas in proportion.
+        const double r = std::sqrt((u - t.begin) / (t.end - t.begin));
+        n += visit(Vec3(t.a + t.ab * (r * (1 - v)) + t.ac * (r * v)), t.normal) ? 1 : 0;
+      }
     }
     return n;
   }
 
  private:
-  static double wrapped(double x) { return x < 1 ? x : x - 1; }
-
   struct Range {
     std::uint32_t face;
     std::size_t first, count;
@@ -71,19 +69,20 @@ class Receivers {
   };
   std::vector<Range> faces_;
   std::vector<Triangle> triangles_;
+  double area_ = 0;
 };
 
-// The lit area of each receiver's face, by Receivers' index.
-template <class Sampler>
-std::vector<double> lit_areas(const Receivers& receivers, const Pattern& pattern, const Sampler& sampler) {
-  std::vector<double> lit;
-  lit.reserve(receivers.size());
+// The area on each receiver for whose sample points the predicate holds, by Receivers' index.
+template <class Predicate>
+std::vector<double> areas_where(const Receivers& receivers, std::span<const std::uint32_t> strata, const Predicate& predicate) {
+  std::vector<double> areas;
+  areas.reserve(receivers.size());
   for (std::size_t i = 0; i < receivers.size(); ++i) {
     const Receivers::Target target = receivers.target(i);
-    const std::size_t n = Receivers::count(target, pattern, [&](const Vec3& x, const Vec3& normal) { return sampler.is_lit(x, normal); });
-    lit.push_back(target.area * static_cast<double>(n) / static_cast<double>(pattern.points().size()));
+    const auto samples = static_cast<double>(strata[i]) * strata[i];
+    areas.push_back(target.area * (static_cast<double>(Receivers::count(target, strata[i], predicate)) / samples));
   }
-  return lit;
+  return areas;
 }
 
 // Embree's rtcOccluded1, in the robust mode. Single precision: coordinates are taken from the scene's middle, and a ray starts 2^-20 of
@@ -110,7 +109,7 @@ class Rays {
 class ShadowMap {
  public:
   ShadowMap(const Scene& scene, const Light& light, std::uint32_t side);
-  bool is_lit(const Vec3& x, const Vec3& normal) const;
+  bool is_lit(const Vec3& x) const;
   std::size_t bytes() const;
   std::size_t images() const { return views_.size(); }
 
