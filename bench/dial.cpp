@@ -351,11 +351,11 @@ void Bench::maps(const Scene& scene, const Errors& errors) {
       const double structure_ms = watch.ms();
       const Receivers receivers(scene, light, errors.exact().areas);
       const std::vector<std::uint32_t> strata = receivers.strata(points, false);
-      const std::vector<double> lit = areas_where(receivers, strata, [&](const Vec3& x, const Vec3&) { return map.is_lit(x); });
+      const std::vector<double> lit = areas_where(receivers, strata, [&](const Vec3& x, const Vec3& normal) { return map.is_lit(x, normal); });
       const double ms = watch.ms();
       if (wrong == 0) {
         const std::vector<double> differ =
-            areas_where(receivers, strata, [&](const Vec3& x, const Vec3& normal) { return map.is_lit(x) != truth.is_lit(x, normal); });
+            areas_where(receivers, strata, [&](const Vec3& x, const Vec3& normal) { return map.is_lit(x, normal) != truth.is_lit(x, normal); });
         wrong = std::accumulate(differ.begin(), differ.end(), 0.0);
       }
       return {ms, structure_ms, by_face(scene, receivers, lit), receivers.size() * points, map.images(), map.bytes()};

@@ -192,7 +192,10 @@ ShadowMap::ShadowMap(const Scene& scene, const Light& light, std::uint32_t side)
   for (View& view : views_) draw(view, scene);
 }
 
-void ShadowMap::add_view(const Eigen::Matrix4d& map) { views_.push_back({map, std::vector<float>(std::size_t{side_} * side_, -1.0f)}); }
+void ShadowMap::add_view(const Eigen::Matrix4d& map) {
+  const double texels = std::min(map.row(0).head<3>().norm(), map.row(1).head<3>().norm());
+  views_.push_back({map, 1 / texels, std::vector<float>(std::size_t{side_} * side_, -1.0f)});
+}
 
 void ShadowMap::draw(View& view, const Scene& scene) const {
   const Eigen::RowVector4d x = view.map.row(0), y = view.map.row(1), weight = view.map.row(3);
@@ -218,7 +221,7 @@ void ShadowMap::fill(View& view, std::span<const Vec3> polygon) const {
     top = std::min(top, polygon[k].y()), bottom = std::max(bottom, polygon[k].y());
   }
   if (normal.z() == 0) return;
-  const double dx = -normal.x() / normal.z(), dy = -normal.y() / normal.z(), slope = 1.1 * std::max(std::abs(dx), std::abs(dy));
+  const double dx = -normal.x() / normal.z(), dy = -normal.y() / normal.z(), slope = 0.5 * std::max(std::abs(dx), std::abs(dy));
   const auto texel = [&](double x) { return static_cast<std::int32_t>(std::clamp(std::ceil(x - 0.5), 0.0, static_cast<double>(side_))); };
   for (std::int32_t row = texel(top); row < texel(bottom); ++row) {
     const double y = row + 0.5;
@@ -241,9 +244,10 @@ const ShadowMap::View& ShadowMap::view_of(const Vec3& x) const {
   return views_.size() == 1 ? views_[0] : views_[static_cast<std::size_t>(cube_face(x - light_))];
 }
 
-bool ShadowMap::is_lit(const Vec3& x) const {
+bool ShadowMap::is_lit(const Vec3& x, const Vec3& normal) const {
   const View& view = view_of(x);
-  const Vec3 p = (view.map * x.homogeneous()).hnormalized();
+  const double off = 0.5 * view.texel * view.map.row(3).dot(x.homogeneous());
+  const Vec3 p = (view.map * Vec3(x + off * normal).homogeneous()).hnormalized();
   const auto texel = [&](double c) { return static_cast<std::size_t>(std::clamp(c, 0.0, side_ - 1.0)); };
   return static_cast<float>(p.z()) >= view.nearness[texel(p.y()) * side_ + texel(p.x())];
 }
