@@ -5,55 +5,16 @@ Both axes are logarithmic. For cities and for spheres: the full rebuild, and the
 99.9th percentile.
 """
 import json
-import math
 import sys
+
+from plot import GRID, SOFT, Axis, count_text, decades, line, path, text, time_text
 
 WIDTH, HEIGHT = 900, 560
 LEFT, RIGHT, TOP, BOTTOM = 86, 236, 56, 70
-INK, GRID, SOFT = "#222", "#dcdcdc", "#666"
 SERIES = (  # group, name of what moves, colour
     ("city", "one building of a city", "#1b6ca8"),
     ("spheres", "one sphere of many", "#b5532a"),
 )
-
-
-def decades(values):
-    """Whole powers of ten around the values."""
-    return math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
-
-
-class Axis:
-    def __init__(self, low, high, start, end):
-        self.low, self.high, self.start, self.end = low, high, start, end
-
-    def __call__(self, value):
-        share = (math.log10(value) - self.low) / (self.high - self.low)
-        return self.start + share * (self.end - self.start)
-
-    def ticks(self):
-        for power in range(self.low, self.high + 1):
-            yield 10.0 ** power, True
-            if power < self.high:
-                for k in range(2, 10):
-                    yield k * 10.0 ** power, False
-
-
-def count_text(value):
-    return f"{value:,.0f}".replace(",", " ")
-
-
-def time_text(ms):
-    if ms >= 1000:
-        return f"{ms / 1000:g} s"
-    return f"{ms:g} ms" if ms >= 1 else f"{ms * 1000:g} µs"
-
-
-def text(x, y, words, anchor="start", size=13, colour=INK, more=""):
-    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" font-size="{size}" fill="{colour}"{more}>{words}</text>'
-
-
-def line(x1, y1, x2, y2, colour, width=1.0, more=""):
-    return f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{colour}" stroke-width="{width}"{more}/>'
 
 
 def grid(x, y):
@@ -71,11 +32,6 @@ def grid(x, y):
     yield text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 22, "faces turned to the light", "middle", 14)
     middle = (TOP + HEIGHT - BOTTOM) / 2
     yield text(24, middle, "time (steady clock)", "middle", 14, more=f' transform="rotate(-90 24 {middle:.1f})"')
-
-
-def path(points, colour, dashes=""):
-    corners = " ".join(f"{px:.1f},{py:.1f}" for px, py in points)
-    return f'<polyline points="{corners}" fill="none" stroke="{colour}" stroke-width="2"{dashes}/>'
 
 
 def curves(rows, x, y, colour):
