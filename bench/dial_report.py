@@ -358,7 +358,7 @@ def report(groups, figure):
     yield ""
     yield "## Updates, and the join threshold"
     yield ""
-    yield "Median time of an update in microseconds, over 200 moves of objects by up to a tenth of their size, by kernel and `Options::join_threshold`; and how far the result is then from the exact one."
+    yield "Median time of an update in microseconds, over 100 moves of objects by up to a tenth of their size, by kernel and `Options::join_threshold`; and how far the result is then from the exact one."
     yield ""
     yield from edits(groups)
     yield ""

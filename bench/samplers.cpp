@@ -55,9 +55,10 @@ Receivers::Target Receivers::target(std::size_t i) const {
 }
 
 std::vector<std::uint32_t> Receivers::strata(std::uint32_t samples, bool by_area) const {
+  const double least = std::min(samples, 4u), total = static_cast<double>(samples) * static_cast<double>(faces_.size());
   std::vector<std::uint32_t> all;
   for (const Range& r : faces_) {
-    const double n = by_area ? std::max(4.0, samples * (static_cast<double>(faces_.size()) * (r.area / area_))) : samples;
+    const double n = by_area ? std::max(least, total * (r.area / area_)) : samples;
     all.push_back(static_cast<std::uint32_t>(std::lround(std::sqrt(n))));
   }
   return all;

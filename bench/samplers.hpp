@@ -36,7 +36,8 @@ class Receivers {
   std::size_t size() const { return faces_.size(); }
   Target target(std::size_t i) const;
 
-  // Strata along each side of a face, for so many samples a face in the mean: the same for all, or by area and then at least four a face.
+  // Strata along each side of a face, for so many samples a face in the mean: the same for all, or by area, but at least four a face, or as
+  // many as asked for.
   std::vector<std::uint32_t> strata(std::uint32_t samples, bool by_area) const;
 
   // Calls visit(point, normal) at a random place in each of strata x strata parts of a face, and returns for how many it returned true.
