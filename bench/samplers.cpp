@@ -66,15 +66,18 @@ std::vector<std::uint32_t> Receivers::strata(std::uint32_t samples, bool by_area
 
 // ---- rays
 
-Rays::Rays(const Scene& scene, const Light& light) : light_(light), device_(rtcNewDevice("threads=1,set_affinity=0")) {
+RayDevice::RayDevice() : device_(rtcNewDevice("threads=1,set_affinity=0")) {
   if (!device_) throw Error("Embree does not start");
+}
+
+Rays::Rays(const RayDevice& device, const Scene& scene, const Light& light) : light_(light) {
   const Eigen::AlignedBox3d box = bounds(scene);
   middle_ = box.center();
   offset_ = 0x1p-20 * 0.5 * box.diagonal().norm();
   std::size_t triangles = 0;
   for (const Facet& facet : scene.facets())
     if (casts(scene, facet)) triangles += facet.corner_count - 2;
-  const RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  const RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
                                                                std::max<std::size_t>(1, scene.vertices().size())));
   auto* indices = static_cast<std::uint32_t*>(
@@ -88,12 +91,12 @@ Rays::Rays(const Scene& scene, const Light& light) : light_(light), device_(rtcN
       for (const std::size_t corner : {std::size_t{0}, k, k + 1}) *indices++ = corners[corner].vertex;
   }
   rtcCommitGeometry(geometry);
-  scene_.reset(rtcNewScene(device_.get()));
+  scene_.reset(rtcNewScene(device.get()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
   rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene_.get());
-  if (rtcGetDeviceError(device_.get()) != RTC_ERROR_NONE) throw Error("Embree builds no tree");
+  if (rtcGetDeviceError(device.get()) != RTC_ERROR_NONE) throw Error("Embree builds no tree");
 }
 
 bool Rays::is_lit(const Vec3& x, const Vec3& normal) const {

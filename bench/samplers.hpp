@@ -86,22 +86,33 @@ std::vector<double> areas_where(const Receivers& receivers, std::span<const std:
   return areas;
 }
 
-// Embree's rtcOccluded1, in the robust mode. Single precision: coordinates are taken from the scene's middle, and a ray starts 2^-20 of
-// the scene's radius off its face, towards the light, so that neither the face itself nor one that touches it is in the way.
-class Rays {
+// Embree on one thread; started once, and counted in no job's time.
+class RayDevice {
  public:
-  Rays(const Scene& scene, const Light& light);
-  bool is_lit(const Vec3& x, const Vec3& normal) const;
+  RayDevice();
+  RTCDevice get() const { return device_.get(); }
 
  private:
   struct Free {
     void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  };
+  std::unique_ptr<RTCDeviceTy, Free> device_;
+};
+
+// Embree's rtcOccluded1, in the robust mode. Single precision: coordinates are taken from the scene's middle, and a ray starts 2^-20 of
+// the scene's radius off its face, towards the light, so that neither the face itself nor one that touches it is in the way.
+class Rays {
+ public:
+  Rays(const RayDevice& device, const Scene& scene, const Light& light);
+  bool is_lit(const Vec3& x, const Vec3& normal) const;
+
+ private:
+  struct Free {
     void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
   };
   Light light_;
   Vec3 middle_ = Vec3::Zero();
   double offset_ = 0;
-  std::unique_ptr<RTCDeviceTy, Free> device_;
   std::unique_ptr<RTCSceneTy, Free> scene_;
 };
 
