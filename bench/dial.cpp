@@ -17,8 +17,7 @@
 //                         rays for the truth; of rays there is none, since they give areas only
 //   area_error            sum over faces of | lit area - exact lit area |; never more than the above
 //   wrong faces           lit (over 1e-6 of the face) although wholly shadowed (to 1e-9), and the reverse; and missed: a lit or shadowed
-//   part
-//                         of over a hundredth of the face, of which nothing is reported
+//                         part of over a hundredth of the face, of which nothing is reported
 // A row that would take longer than --seconds, by the row before, is left out and says so ("skipped", with the estimate).
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -317,7 +316,8 @@ void Bench::rays(const Scene& scene, const Errors& errors) {
     double last = 0;
     for (const std::uint32_t samples : {1u, 4u, 16u, 64u, 256u, 1024u, 4096u}) {
       if (!wanted(method + " " + std::to_string(samples))) continue;
-      if (skipped(method, {{"samples", samples}}, 4 * last)) continue;
+      last *= 4;
+      if (skipped(method, {{"samples", samples}}, last)) continue;
       const Sampled s = quickest([&]() -> Sampled {
         const Stopwatch watch;
         const Rays sampler(device_, scene, light);
@@ -344,7 +344,8 @@ void Bench::maps(const Scene& scene, const Errors& errors) {
   const Rays truth(device_, scene, light);
   for (const std::uint32_t side : {256u, 512u, 1024u, 2048u, 4096u, 8192u}) {
     if (!wanted("map " + std::to_string(side))) continue;
-    if (skipped("map", {{"side", side}}, 4 * last_structure + last_samples)) continue;
+    last_structure *= 4;
+    if (skipped("map", {{"side", side}}, last_structure + last_samples)) continue;
     double wrong = 0;
     const Sampled s = quickest([&]() -> Sampled {
       const Stopwatch watch;
