@@ -205,7 +205,7 @@ def times_text(factor):
 
 
 def name(key):
-    return key[0] + (", sun" if key[1] == "sun" else "")
+    return key[0] + (" (sun)" if key[1] == "sun" else "")
 
 
 def sampled(rows):
@@ -320,8 +320,13 @@ def advice(groups):
         return [row["ms"] / fast[key]["ms"] for (key, _), row in zip(scenes, chosen) if row]
 
     percent, tenth = ([cheapest(sampled(rows), limit) for _, rows in scenes] for limit in (1e-2, 1e-3))
-    cheaper = [name(key) for (key, _), row in zip(scenes, percent) if row and row["ms"] < fast[key]["ms"]]
-    moves = [1000 * r["ms"] for _, rows in scenes for r in of(rows, "edits") if r["parameters"] == {"kernel": "fast", "join_threshold": 2}]
+
+    def quicker(chosen):
+        """Scenes in which these rows take no longer than fast, in words."""
+        names = list(dict.fromkeys(key[0] for (key, _), row in zip(scenes, chosen) if row and row["ms"] <= fast[key]["ms"]))
+        return ", ".join(names) or "none of the scenes"
+
+    moves = [r["ms"] for _, rows in scenes for r in of(rows, "edits") if r["parameters"] == {"kernel": "fast", "join_threshold": 2}]
     maps = [error(min(of(rows, "map"), key=error)) for _, rows in scenes]
     # So many rays take the time of cutting a face.
     worth = statistics.median(fast[key]["ms"] / row["facing_faces"] * row["points"] / row["sample_ms"] for key, rows in scenes for row in [rays(rows, 64)])
@@ -330,11 +335,11 @@ def advice(groups):
     welded = against_fast([ours(rows, "fast", "conforming") for _, rows in scenes])
     yield "| use | advice |"
     yield "|---|---|"
-    yield (f"| walkthrough, VR | Cut once with `fast`, merged, and draw the fragments: no screen is too fine for their edges, and a moved object costs {span(moves, '{:.0f}'.format)} us in the median here. "
+    yield (f"| walkthrough, VR | Cut once with `fast`, merged, and draw the fragments: no screen is too fine for their edges, and a moved object costs {span(moves, '{:.2g}'.format)} ms in the median here, by what it touches. "
            f"Where the light or most of the scene moves in every frame, a shadow map on the GPU is the better choice: it needs no build, and its errors, {span(maps, share_text)} of the area at its best here, are a texel wide. |")
-    yield (f"| solar access, area reports | `fast`, merged: areas to {-math.ceil(math.log10(max(error(f) for f in fast.values())))} digits, where rays within 0.1 % take {span(against_fast(tenth), times_text)} times as long, if they get there at all. "
-           f"For totals within a per cent, rays spread by area take {span(against_fast(percent), times_text)} times as long"
-           + (f", and are the better choice in {', '.join(cheaper)}." if cheaper else ".") + " |")
+    yield (f"| solar access, area reports | `fast`, merged: areas to {-math.ceil(math.log10(max(error(f) for f in fast.values())))} digits, where rays within 0.1 % take {span(against_fast(tenth), times_text)} times as long, "
+           f"if they get there at all, and are as quick in {quicker(tenth)} only. For totals within a per cent sampling is often the better choice: rays spread by area take {span(against_fast(percent), times_text)} times as long as `fast`, "
+           f"and no longer in {quicker(percent)}. |")
     yield ("| lightmaps | For point lights and suns, draw the fragments into the texels: each gets its true share of light, without a ray. For area lights and soft shadows sample, since a tree is of one point of the light; "
            f"and sample where a face has fewer than {worth:.0f} texels or so, since that many rays take the time of cutting it. |")
     yield (f"| drawings | `fast`, merged, or conforming ({span(welded, times_text)} times as long) where outlines must meet without T-junctions; `exact` where the drawing must not depend on the order of its parts. "
