@@ -24,6 +24,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iostream>
@@ -68,6 +69,7 @@ struct Setup {
   std::string name;
   std::function<Scene()> make;  // with its light
   bool sun;                     // once more, under a sun
+  std::string path;             // of a file, which may not be installed
 };
 
 // A light above and beside a model, in general position.
@@ -79,7 +81,7 @@ Light lamp_over(const Scene& scene) {
 }
 
 Setup made(const std::string& name, bool sun = false) {
-  return {name, [name] { return scenes::build(scenes::named(name)); }, sun};
+  return {name, [name] { return scenes::build(scenes::named(name)); }, sun, {}};
 }
 
 Setup model(const std::string& name, const std::string& path, bool sun = false) {
@@ -88,7 +90,7 @@ Setup model(const std::string& name, const std::string& path, bool sun = false) 
     scene.replace_lights(std::vector<Light>{lamp_over(scene)});
     return scene;
   };
-  return {name, read, sun};
+  return {name, read, sun, path};
 }
 
 std::vector<Setup> setups() {
@@ -454,6 +456,10 @@ void Bench::run(const std::string& name, const Scene& scene) {
 void run(const Arguments& a) {
   Bench bench(a);
   for (const Setup& setup : setups()) {
+    if (!setup.path.empty() && !std::filesystem::exists(setup.path)) {
+      std::printf("%s left out: %s is not installed\n", setup.name.c_str(), setup.path.c_str());
+      continue;
+    }
     Scene scene = setup.make();
     bench.run(setup.name, scene);
     if (!setup.sun) continue;

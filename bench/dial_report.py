@@ -338,7 +338,7 @@ def advice(groups):
     yield (f"| walkthrough, VR | Cut once with `fast`, merged, and draw the fragments: no screen is too fine for their edges, and a moved object costs {span(moves, '{:.2g}'.format)} ms in the median here, by what it touches. "
            f"Where the light or most of the scene moves in every frame, a shadow map on the GPU is the better choice: it needs no build, and its errors, {span(maps, share_text)} of the area at its best here, are a texel wide. |")
     yield (f"| solar access, area reports | `fast`, merged: areas to {-math.ceil(math.log10(max(error(f) for f in fast.values())))} digits, where rays within 0.1 % take {span(against_fast(tenth), times_text)} times as long, "
-           f"if they get there at all, and are as quick in {quicker(tenth)} only. For totals within a per cent sampling is often the better choice: rays spread by area take {span(against_fast(percent), times_text)} times as long as `fast`, "
+           f"if they get there at all, and are as quick in {quicker(tenth)} only. For totals within a per cent sampling is often the better choice: the right number of rays, spread by area, takes {span(against_fast(percent), times_text)} times as long as `fast`, "
            f"and no longer in {quicker(percent)}. |")
     yield ("| lightmaps | For point lights and suns, draw the fragments into the texels: each gets its true share of light, without a ray. For area lights and soft shadows sample, since a tree is of one point of the light; "
            f"and sample where a face has fewer than {worth:.0f} texels or so, since that many rays take the time of cutting it. |")
