@@ -59,8 +59,8 @@ def error(row):
 
 COLUMNS, WIDTH, PLOT_HEIGHT, GAP_X, GAP_Y = 3, 1110, 250, 30, 58
 LEFT, TOP = 74, 118
-FIRST, LAST, FLOOR = 0, -7, (-12, -18)  # powers of ten: the upper part of the axis of errors, and the lower one
-BREAK = (0.72, 0.80)                    # shares of a panel's height between which the axis is broken
+FIRST, FLOOR = 0, (-12, -18)  # powers of ten: where the upper part of the axis of errors begins, and the lower part
+BREAK = (0.72, 0.80)          # shares of a panel's height between which the axis is broken
 KERNELS = {"fast": "#1b6ca8", "exact": "#14724a", "single": "#7a4fa3"}
 FORMS = {"pieces": "triangle", "merged": "diamond", "conforming": "square"}
 SAMPLERS = {"rays": ("#d9822b", "circle", False), "rays by area": ("#b03a2e", "circle", True), "map": ("#777", "square", False)}
@@ -69,14 +69,15 @@ SAMPLERS = {"rays": ("#d9822b", "circle", False), "rays by area": ("#b03a2e", "c
 class BrokenAxis:
     """Errors on two logarithmic stretches, downwards."""
 
-    def __init__(self, top, height):
-        self.upper = Axis(LAST, FIRST, top + BREAK[0] * height, top)
+    def __init__(self, last, top, height):
+        self.last = last
+        self.upper = Axis(last, FIRST, top + BREAK[0] * height, top)
         self.lower = Axis(FLOOR[1], FLOOR[0], top + height, top + BREAK[1] * height)
         self.cut = top + 0.5 * (BREAK[0] + BREAK[1]) * height
 
     def __call__(self, value):
         power = math.log10(max(value, 1e-300))
-        if power >= LAST:
+        if power >= self.last:
             return self.upper(value)
         return self.lower(min(max(value, 10.0 ** FLOOR[1]), 10.0 ** FLOOR[0]))
 
@@ -93,7 +94,7 @@ def frame(x, y, left, top, width, is_first):
         yield line(at, top, at, top + PLOT_HEIGHT, GRID, 0.8)
         if at < left + width - 1:  # the last would run into the next panel's first
             yield text(at, top + PLOT_HEIGHT + 17, time_text(value), "middle", 11, SOFT)
-    for power in [*range(FIRST, LAST - 1, -1), *range(FLOOR[0], FLOOR[1] - 1, -2)]:
+    for power in [*range(FIRST, y.last - 1, -1), *range(FLOOR[0], FLOOR[1] - 1, -2)]:
         at = y(10.0 ** power)
         yield line(left, at, left + width, at, GRID, 0.8)
         if is_first and power % 2 == 0:
@@ -125,8 +126,8 @@ def engine(rows, x, y):
     names = []
     for kernel, colour in KERNELS.items():
         mine = [r for r in of(rows, "shadowcut") if r["parameters"]["kernel"] == kernel and not is_other(r) and not r["parameters"].get("reference")]
-        turned = sorted((r for r in mine if dials(r)), key=lambda r: r["ms"])
-        if turned:
+        for dial in sorted({tuple(dials(r)) for r in mine} - {()}):
+            turned = [r for r in mine if tuple(dials(r)) == dial]
             yield path([(x(r["ms"]), y(error(r))) for r in turned], colour, ' stroke-opacity="0.55"')
         for r in sorted(mine, key=lambda r: r["parameters"]["form"] == "merged"):
             yield mark(FORMS[r["parameters"]["form"]], x(r["ms"]), y(error(r)), colour, 2.6 if dials(r) else 4.4, r["parameters"]["form"] != "merged")
@@ -167,6 +168,7 @@ def draw(groups):
     shown = [(key, rows) for key, rows in groups.items() if key[1] == "point"]
     every = [r["ms"] for _, rows in shown for r in rows if "ms" in r and r["method"] != "edits"]
     low, high = math.floor(math.log10(min(every))), math.ceil(math.log10(max(every)))
+    last = min(math.floor(math.log10(e)) for _, rows in shown for r in rows if "ms" in r and r["method"] != "edits" for e in [error(r)] if e > 10.0 ** FLOOR[0])
     width = (WIDTH - LEFT - 24 - (COLUMNS - 1) * GAP_X) / COLUMNS
     lines = math.ceil(len(shown) / COLUMNS)
     height = TOP + lines * (PLOT_HEIGHT + GAP_Y) + 16
@@ -177,7 +179,7 @@ def draw(groups):
     yield from legend(kernels)
     for i, (key, rows) in enumerate(shown):
         left, top = LEFT + i % COLUMNS * (width + GAP_X), TOP + i // COLUMNS * (PLOT_HEIGHT + GAP_Y)
-        yield from panel(key, rows, Axis(low, high, left, left + width), BrokenAxis(top, PLOT_HEIGHT), left, top, width, i % COLUMNS == 0)
+        yield from panel(key, rows, Axis(low, high, left, left + width), BrokenAxis(last, top, PLOT_HEIGHT), left, top, width, i % COLUMNS == 0)
     yield text(WIDTH / 2, height - 12, "time of the whole job on one thread", "middle", 13.5)
     middle = TOP + lines * (PLOT_HEIGHT + GAP_Y) / 2
     yield text(20, middle, "error, as a share of the area turned to the light", "middle", 13.5, more=f' transform="rotate(-90 20 {middle:.1f})"')
