@@ -47,6 +47,11 @@ def ours(rows, kernel, form="merged"):
     return None
 
 
+def turned(rows, dial, value):
+    """Fast, merged, with one of the dials turned."""
+    return next((r for r in of(rows, "shadowcut") if r["parameters"]["kernel"] == "fast" and dials(r) == {dial: value}), None)
+
+
 def rays(rows, samples):
     return next((r for r in of(rows, "rays") if r["parameters"]["samples"] == samples), None)
 
@@ -63,6 +68,7 @@ FIRST, FLOOR = 0, (-12, -18)  # powers of ten: where the upper part of the axis 
 BREAK = (0.72, 0.80)          # shares of a panel's height between which the axis is broken
 KERNELS = {"fast": "#1b6ca8", "exact": "#14724a", "single": "#7a4fa3"}
 FORMS = {"pieces": "triangle", "merged": "diamond", "conforming": "square"}
+DIALS = {"min_area_share": ' stroke-opacity="0.55"', "min_solid_angle": ' stroke-opacity="0.55" stroke-dasharray="3 3"'}
 SAMPLERS = {"rays": ("#d9822b", "circle", False), "rays by area": ("#b03a2e", "circle", True), "map": ("#777", "square", False)}
 
 
@@ -125,17 +131,17 @@ def sampler(rows, method, x, y):
 def engine(rows, x, y):
     names = []
     for kernel, colour in KERNELS.items():
-        mine = [r for r in of(rows, "shadowcut") if r["parameters"]["kernel"] == kernel and not is_other(r) and not r["parameters"].get("reference")]
-        for dial in sorted({tuple(dials(r)) for r in mine} - {()}):
-            turned = [r for r in mine if tuple(dials(r)) == dial]
-            yield path([(x(r["ms"]), y(error(r))) for r in turned], colour, ' stroke-opacity="0.55"')
+        mine = [r for r in of(rows, "shadowcut") if r["parameters"]["kernel"] == kernel and not is_other(r) and not r["parameters"].get("reference") and "coplanarity_tolerance" not in r["parameters"]]
+        for dial in DIALS:
+            yield path([(x(r["ms"]), y(error(r))) for r in mine if dial in r["parameters"]], colour, DIALS[dial])
         for r in sorted(mine, key=lambda r: r["parameters"]["form"] == "merged"):
             yield mark(FORMS[r["parameters"]["form"]], x(r["ms"]), y(error(r)), colour, 2.6 if dials(r) else 4.4, r["parameters"]["form"] != "merged")
         best = ours(rows, kernel)
         if best:
             names.append((x(best["ms"]), y(error(best)), kernel, colour))
     for px, py, kernel, colour in names:
-        yield text(px, py + (19 if kernel == "exact" else -11), kernel, "middle", 12, colour, ' font-weight="bold"')
+        shift_x, shift_y, anchor = {"single": (-9, 4, "end"), "fast": (0, -11, "middle"), "exact": (0, 19, "middle")}[kernel]
+        yield text(px + shift_x, py + shift_y, kernel, anchor, 12, colour, ' font-weight="bold"')
 
 
 def panel(key, rows, x, y, left, top, width, is_first):
@@ -156,12 +162,21 @@ def legend(kernels):
         yield text(at + 33, y, words, size=12.5)
         at += 262
     at, y = LEFT, 84
+    yield text(at, y, "shadowcut:", size=12.5)
+    at += 68
     for kernel in kernels:
-        yield mark("diamond", at + 13, y - 4, KERNELS[kernel], 4.4) + text(at + 33, y, f"shadowcut, {kernel}", size=12.5)
-        at += 150
+        yield mark("diamond", at + 13, y - 4, KERNELS[kernel], 4.4) + text(at + 25, y, kernel, size=12.5)
+        at += 74
+    at += 12
     for form, shape in FORMS.items():
         yield mark(shape, at + 13, y - 4, INK, 4.2, form != "merged") + text(at + 27, y, form, size=12.5)
         at += 92
+    at += 12
+    colour = KERNELS["fast"]
+    for dial, words in (("min_area_share", "fast, smallest feature by area"), ("min_solid_angle", "by solid angle")):
+        yield line(at + 14, y - 4, at + 40, y - 4, colour, 2, DIALS[dial]) + mark("diamond", at + 27, y - 4, colour, 2.6)
+        yield text(at + 47, y, words, size=12.5)
+        at += 238
 
 
 def draw(groups):
@@ -199,7 +214,7 @@ def share_text(share):
     if share < 1e-4:
         mantissa, power = f"{share:.0e}".split("e")
         return f"{mantissa}e{int(power)}"
-    return f"{100 * share:.2g} %"
+    return f"{100 * share:.0f} %" if share >= 0.0995 else f"{100 * share:.2g} %"
 
 
 def times_text(factor):
@@ -258,6 +273,55 @@ def wrong_faces(groups):
         yield f"| {name(key)} | {rows[0]['facing_faces']} | " + " | ".join(wrong_text(r) or "too slow" for r in chosen) + " |"
 
 
+SHARES = (1e-4, 1e-2, 1e-1)  # of the mean face: smallest features shown beside the kernels
+
+
+def share_of(row, key):
+    return row[key] / row["facing_area"]
+
+
+def kernels(groups):
+    yield "| scene | fast: error | undecided | single: x fast's time | x memory | error | undecided | " + " | ".join(f"smallest {s:g}: x time | x memory | dropped | missed" for s in SHARES) + " |"
+    yield "|---|---|---|---|---|---|---|" + "---|---|---|---|" * len(SHARES)
+    for key, rows in groups.items():
+        fast, single = ours(rows, "fast"), ours(rows, "single")
+
+        def against_fast(r):
+            return [f"{r[k] / fast[k]:.2f}" for k in ("ms", "bytes")]
+
+        cells = [name(key), share_text(error(fast)), share_text(share_of(fast, "undecided_area")), *against_fast(single), share_text(error(single)),
+                 share_text(share_of(single, "undecided_area"))]
+        for s in SHARES:
+            r = turned(rows, "min_area_share", s)
+            cells += [*against_fast(r), share_text(share_of(r, "dropped_area")), r["missed"]]
+        yield "| " + " | ".join(str(c) for c in cells) + " |"
+
+
+def bounds(groups):
+    """Whether what is said to be undecided holds the errors."""
+    rows = [r for rows in groups.values() for r in of(rows, "shadowcut") if "undecided_area" in r]
+    for kernel in ("fast", "single"):
+        mine = [r for r in rows if r["parameters"]["kernel"] == kernel]
+        broken = [f"{name((r['scene'], r['light']))}, {r['parameters']['form']} ({share_text(error(r))} against {share_text(share_of(r, 'undecided_area'))}, {r['beyond_undecided']} faces)"
+                  for r in mine if r["symmetric_difference"] > r["undecided_area"] or r["beyond_undecided"]]
+        held = "of the whole and of every face" if not broken else "but not in " + "; ".join(broken)
+        yield f"Kernel `{kernel}`: in {len(mine) - len(broken)} of {len(mine)} rows the error is within what `Engine::undecided` says, {held}."
+    loose = [name((r["scene"], r["light"])) for r in rows if r["parameters"] == {"kernel": "fast", "form": "merged"} and r["undecided_area"] > 0.01 * r["facing_area"]]
+    if loose:
+        yield f"In {', '.join(loose)} that bound says nothing of kernel `fast`: see [below](#how-it-was-measured)."
+
+
+def shared_planes(groups):
+    yield "| model | kernel | facets put into a shared plane | x time | x nodes | x fragments | change of the lit region |"
+    yield "|---|---|---|---|---|---|---|"
+    for key, rows in groups.items():
+        for r in of(rows, "shadowcut"):
+            if "coplanarity_tolerance" in r["parameters"]:
+                own = ours(rows, r["parameters"]["kernel"])
+                cells = [name(key), r["parameters"]["kernel"], r["aligned_facets"], *(f"{r[k] / own[k]:.2f}" for k in ("ms", "nodes", "fragments")), share_text(error(r))]
+                yield "| " + " | ".join(str(c) for c in cells) + " |"
+
+
 def edits(groups):
     thresholds = (0, 2, 6, 16)
     yield "| scene | " + " | ".join(f"fast, {t}" for t in thresholds) + " | exact, 2 | nodes against a fresh build, " + ", ".join(map(str, thresholds)) + " | error, fast | exact |"
@@ -284,17 +348,17 @@ def describe(row):
 def details(key, rows):
     yield f"<details><summary>{name(key)}: {rows[0]['facing_faces']} faces, {share_text(rows[0]['lit_area'] / rows[0]['facing_area'])} lit</summary>"
     yield ""
-    yield "| method | ms | of it, structure | symmetric difference | area error | mean of a face, absolute | most of a face | wrong: lit + shadowed, missed | fragments | MB |"
-    yield "|---|---|---|---|---|---|---|---|---|---|"
+    yield "| method | ms | of it, structure | symmetric difference | area error | mean of a face, absolute | most of a face | wrong: lit + shadowed, missed | undecided | dropped | fragments | MB |"
+    yield "|---|---|---|---|---|---|---|---|---|---|---|---|"
     for r in rows:
         if r["method"] == "edits":
             continue
         if "skipped" in r:
-            yield f"| {describe(r)} | left out: about {r['skipped']['estimate_ms'] / 1000:.0f} s | | | | | | | | |"
+            yield f"| {describe(r)} | left out: about {r['skipped']['estimate_ms'] / 1000:.0f} s | | | | | | | | | | |"
             continue
         cells = [describe(r), ms_text(r["ms"]), ms_text(r.get("structure_ms", r.get("build_ms"))), share_text(r["symmetric_share"]) if "symmetric_share" in r else "",
                  share_text(r["area_error_share"]), f"{r['mean_abs_area_error']:.1e}", share_text(r["max_share_of_a_face"]), wrong_text(r),
-                 r.get("fragments", ""), f"{r['bytes'] / 1e6:.1f}" if "bytes" in r else ""]
+                 *(share_text(share_of(r, k)) if k in r else "" for k in ("undecided_area", "dropped_area")), r.get("fragments", ""), f"{r['bytes'] / 1e6:.1f}" if "bytes" in r else ""]
         yield "| " + " | ".join(str(c) for c in cells) + " |"
     yield ""
     yield "</details>"
@@ -307,6 +371,11 @@ def details(key, rows):
 def span(values, as_text):
     low, high = as_text(min(values)), as_text(max(values))
     return low if low == high else f"{low} to {high}"
+
+
+def middle_span(values, as_text):
+    """Noise makes the ends of a span; the median says more."""
+    return f"{as_text(statistics.median(values))} ({span(values, as_text)})"
 
 
 def rays_by_area(rows, samples):
@@ -335,6 +404,12 @@ def advice(groups):
     few = [rays_by_area(rows, 4) for _, rows in scenes]
     exact = against_fast([ours(rows, "exact") for _, rows in scenes])
     welded = against_fast([ours(rows, "fast", "conforming") for _, rows in scenes])
+    single = [ours(rows, "single") for _, rows in scenes]
+
+    def beside_fast(chosen, figure):
+        return middle_span([row[figure] / fast[key][figure] for (key, _), row in zip(scenes, chosen)], "{:.2f}".format)
+
+    small, large = ([turned(rows, "min_area_share", s) for _, rows in scenes] for s in (SHARES[0], SHARES[-1]))
     yield "| use | advice |"
     yield "|---|---|"
     yield (f"| walkthrough, VR | Cut once with `fast`, merged, and draw the fragments: no screen is too fine for their edges, and a moved object costs {span(moves, '{:.2g}'.format)} ms in the median here, by what it touches. "
@@ -350,6 +425,12 @@ def advice(groups):
            "Rays are a second opinion that shares no code with it: look where they differ by more than their noise, and expect faces that touch only up to rounding there. |")
     yield (f"| previews | Sample: four rays a face, spread by area, are within {span([error(r) for r in few], share_text)} in {span(against_fast(few), '{:.2f}'.format)} of `fast`'s time, and need not be asked of faces that nobody looks at. "
            f"But they miss the shadow or the light of {span([r['missed'] / r['facing_faces'] for r in few], share_text)} of the faces altogether, so go over to `fast` as soon as single faces count. |")
+    yield (f"| memory is short | `single`: {beside_fast(single, 'bytes')} of `fast`'s memory, and that is all: it takes {beside_fast(single, 'ms')} of the time. The price is half the digits: errors of {span([error(r) for r in single], share_text)} of the area "
+           f"instead of {span([error(f) for f in fast.values()], share_text)}, and it cannot vouch for less than {span([share_of(r, 'undecided_area') for r in single], share_text)} of the area. Where memory is not short, take `fast`. Figures here: the median over the scenes (least to most). |")
+    yield (f"| slivers in the way | `min_feature`, for what comes after: fewer tiny fragments to draw, store or mesh. It is no way to save time: a ten-thousandth of the mean face drops {span([share_of(r, 'dropped_area') for r in small], share_text)} of the area "
+           f"and takes {beside_fast(small, 'ms')} of `fast`'s time, with {beside_fast(small, 'fragments')} of the fragments, since what is cut off needs planes of its own. A tenth of it drops {span([share_of(r, 'dropped_area') for r in large], share_text)}, "
+           f"takes {beside_fast(large, 'ms')} of the time and {beside_fast(large, 'bytes')} of the memory, "
+           f"and loses the light or the shadow of {span([r['missed'] / r['facing_faces'] for r in large], share_text)} of the faces: at that price sampling is the better choice. |")
 
 
 def report(groups, figure):
@@ -368,6 +449,21 @@ def report(groups, figure):
     yield "Faces reported lit, though wholly shadowed + shadowed in part, though wholly lit; then, missed: of the face over a hundredth is lit, or shadowed, and nothing of that is reported."
     yield ""
     yield from wrong_faces(groups)
+    yield ""
+    yield "## Fewer digits, fewer fragments"
+    yield ""
+    yield ("The kernel `single`, and the smallest feature (`Options::min_feature`) by area, as a share of the mean face turned to the light. Undecided: what the kernel itself says of its error, at most (`Engine::undecided`). "
+           "Dropped: neither lit nor shadowed (`FaceArea::dropped`). Missed as above. By solid angle: in the figure, and in the rows at the end.")
+    yield ""
+    yield from kernels(groups)
+    yield ""
+    yield " ".join(bounds(groups))
+    yield ""
+    yield "## Coordinates that were once float"
+    yield ""
+    yield "`Scene::coplanarity_tolerance` at 1e-6 instead of 1e-12, against the same kernel without; form merged."
+    yield ""
+    yield from shared_planes(groups)
     yield ""
     yield "## Updates, and the join threshold"
     yield ""

@@ -34,6 +34,12 @@ std::map<std::string, std::map<std::string, Seen>>& record() {
   return all;
 }
 
+// As JSON: it has no infinity, which an error is as a share of a face without area.
+struct Number {
+  double x;
+  friend std::ostream& operator<<(std::ostream& out, Number n) { return std::isfinite(n.x) ? out << n.x : out << "null"; }
+};
+
 class Recorder : public ::testing::Environment {
  public:
   void TearDown() override {
@@ -45,8 +51,9 @@ class Recorder : public ::testing::Environment {
     for (const auto& [kind, kernels] : record()) {
       for (const auto& [kernel, s] : kernels) {
         out << comma << "\n  {\"kind\": \"" << kind << "\", \"kernel\": \"" << kernel << "\", \"scenes\": " << s.scenes
-            << ", \"faces\": " << s.faces << ", \"wrong_faces\": " << s.wrong_faces << ", \"error\": " << s.error / s.area
-            << ", \"bound\": " << s.bound / s.area << ", \"beyond\": " << s.beyond << ", \"worst_face\": " << s.worst << "}";
+            << ", \"faces\": " << s.faces << ", \"wrong_faces\": " << s.wrong_faces << ", \"error\": " << Number{s.error / s.area}
+            << ", \"bound\": " << Number{s.bound / s.area} << ", \"beyond\": " << s.beyond << ", \"worst_face\": " << Number{s.worst}
+            << "}";
         comma = ",";
       }
     }
