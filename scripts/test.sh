@@ -26,5 +26,5 @@ done
 for preset in "${presets[@]}"; do
   cmake --preset "$preset" -DSHADOWCUT_TESTS=ON >/dev/null
   cmake --build --preset "$preset"
-  ctest --preset "$preset" --timeout 1200
+  ctest --preset "$preset" --timeout 1200 -j "$(nproc)"
 done

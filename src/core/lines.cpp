@@ -64,10 +64,14 @@ int Lines::side(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t
 
 int Lines::nearer(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t facet, std::uint32_t other_plane,
                   SignCounts& counts) const {
+  const Plane &p = tables_.scene_planes[tables_.facets[facet].plane], &q = tables_.scene_planes[other_plane];
+  if (p.point == q.point && (p.exact_normal == q.exact_normal || p.exact_normal == -q.exact_normal)) {  // one plane, recorded twice
+    ++counts.by_identity;
+    return 0;
+  }
   ++counts.by_exact;
   Held held;
   hold(cone, i, facet, held);
-  const Plane &p = tables_.scene_planes[tables_.facets[facet].plane], &q = tables_.scene_planes[other_plane];
   // An edge in both planes.
   const auto is_common = [&](const LightLine& l) {
     return !l.crossing && exact_->contains(p, l.v[0]) && exact_->contains(q, l.v[0]) && exact_->contains(p, l.v[1]) &&
