@@ -15,6 +15,16 @@ double bound_for(float n_error, float cone_error) { return static_cast<double>(n
 // the node's function was no more than twice the bound on the wrong side, and a number made later differs from that by the bound once more.
 constexpr double since_cut = 3;
 
+// A facet's corners are on its plane up to its flatness. The light sees them off by as much over their distance, and the loop as convex up
+// to that, so a corner may be on the wrong side of another of the facet's edges.
+double bend(const LightTables& tables, const Cone& cone) {
+  const std::uint32_t plane = tables.facets[cone.facet].plane;
+  double nearest = INFINITY;
+  for (const ConeCorner& c : cone.span())
+    nearest = std::min(nearest, (tables.space->back(c.r, tables.planes[plane].q) - tables.space->frame().center).norm());
+  return 8 * tables.scene_planes[plane].flatness / (tables.space->far() ? tables.space->frame().scale : nearest);
+}
+
 }  // namespace
 
 std::string CellTree::validate() const {
@@ -85,6 +95,7 @@ std::string CellTree::validate() const {
     for (const ConeCorner& c : corners(piece)) use(c.edge.line());
     Cone* cone = cone_of(piece, pool);
     std::vector<std::uint8_t> edge_bounded(cone->count, 0);
+    const double bent = bend(*tables_, *cone);
     const std::uint32_t from = piece.kind == Piece::Kind::at_leaf ? piece.place : links_[piece.place].parent;
     for (std::uint32_t place = from; place != root_place; place = links_[place >> 1].parent) {
       const Node& node = nodes_[place >> 1];
@@ -97,7 +108,7 @@ std::string CellTree::validate() const {
         continue;
       }
       // 5. A piece lies on its cell's side of every SP-node above it.
-      const Signs signs(*cone, node.n, since_cut * bound_for(node.error, cone->error), spill);
+      const Signs signs(*cone, node.n, since_cut * bound_for(node.error, cone->error) + bent, spill);
       const int wrong = place & 1 ? 1 : -1;
       for (std::uint32_t i = 0; i < cone->count; ++i) {
         if (signs[i] == wrong) return say("a piece reaches out of its cell", p);
