@@ -146,15 +146,21 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
 }
 
 // Of the two parts of a cut, the smaller if it is smaller than what is to be kept; it becomes null. The other one's edge there then relies
-// on nobody's other half: it gets an SP-node of its own.
-bool CellTree::drop_smallest(Cone*& a, Cone*& b, std::uint32_t line, Workspace& w) {
+// on nobody's other half: it gets an SP-node of its own, and as the node that cut it may go any time, a name of its own for the line.
+bool CellTree::drop_smallest(Cone*& a, Cone*& b, std::uint32_t line_id, Workspace& w) {
   Cone* lost = too_small(*tables_, a, b);
   if (!lost) return false;
   w.pool.give_back(lost);
   (lost == a ? a : b) = nullptr;
+  if (!tables_->edits) return true;
   Cone& kept = a ? *a : *b;
+  const std::uint32_t object = tables_->object_of(kept.facet);
+  const bool own = line_id - tables_->objects[object].first_edge - tables_->line_shift[object] < tables_->objects[object].edge_count;
+  std::uint32_t name = own || line_id >= first_local_line ? line_id : none;
   for (ConeCorner& c : std::span(kept.corners(), kept.count)) {
-    if (tables_->edits && c.edge.line() == line) c.edge.set_bounded(false);
+    if (c.edge.line() != line_id) continue;
+    if (name == none) name = add_local_copy(line_id);
+    c.edge = EdgeRef(name, c.edge.negative());
   }
   return true;
 }
@@ -288,6 +294,15 @@ std::uint32_t CellTree::add_local_line(const Line& line, const LightLine& exact)
     local_lines_[index] = {line, 0, exact};
   }
   return first_local_line + index;
+}
+
+// For what goes on after the line's object, or its node, has gone. It is idle unless something will be stored with it.
+std::uint32_t CellTree::add_local_copy(std::uint32_t id) {
+  Line copy = line(id);
+  copy.a = copy.b = none;
+  const std::uint32_t name = add_local_line(copy, tables_->exact ? lines().exact(id) : LightLine{});
+  idle_lines_.push_back(name - first_local_line);
+  return name;
 }
 
 void CellTree::count_use(std::uint32_t line, bool more) {

@@ -164,7 +164,7 @@ class CellTree {
   void put(std::uint32_t place, Child child);
   void insert_at(Cone* cone, std::uint32_t place, Workspace& w);
   void filter(Cone* cone, std::uint32_t place, Workspace& w);
-  bool drop_smallest(Cone*& a, Cone*& b, std::uint32_t line, Workspace& w);
+  bool drop_smallest(Cone*& a, Cone*& b, std::uint32_t line_id, Workspace& w);
   void attach(Cone& cone, std::uint32_t place);
   std::uint32_t store(const Cone& cone, Piece::Kind kind, std::uint32_t place);
   void set_corners(std::uint32_t piece, std::span<const ConeCorner> corners);
@@ -175,6 +175,7 @@ class CellTree {
   void release_piece(std::uint32_t piece);
   std::uint32_t add_node(const Real n[3], float error, std::uint32_t id, std::uint32_t parent, std::uint32_t owner);
   std::uint32_t add_local_line(const Line& line, const LightLine& exact);
+  std::uint32_t add_local_copy(std::uint32_t id);
   void count_use(std::uint32_t line, bool more);
 
   // tree_edit.cpp

@@ -223,10 +223,7 @@ bool CellTree::join(std::uint32_t node, Workspace& w) {
     for (const auto& [known, name] : names) {
       if (known == id) return name;
     }
-    Line copy = line(id);
-    copy.a = copy.b = none;
-    names.emplace_back(id, add_local_line(copy, tables_->exact ? lines().exact(id) : LightLine{}));
-    idle_lines_.push_back(names.back().second - first_local_line);  // unless something will be stored with it
+    names.emplace_back(id, add_local_copy(id));
     return names.back().second;
   };
   std::vector<std::uint32_t> above;  // lines of the nodes that go on bounding the cell
@@ -236,11 +233,12 @@ bool CellTree::join(std::uint32_t node, Workspace& w) {
   }
   const auto is_above = [&](std::uint32_t id) { return std::find(above.begin(), above.end(), id) != above.end(); };
 
-  // Faces cut by the node, on the large side.
+  // Faces cut by the node, on the large side. Where the smallest features are dropped, what is left on the small side need not reach it.
+  const bool may_lack_edge = tables_->least.area > 0 || tables_->least.solid_angle > 0;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> others;  // how deep below the node; piece
   std::vector<std::uint32_t> entries_seen;
   for (const Displaced& h : halves) {
-    if (!has_edge_on(h.cone->span(), line_id)) continue;
+    if (!may_lack_edge && !has_edge_on(h.cone->span(), line_id)) continue;
     if (std::find(entries_seen.begin(), entries_seen.end(), h.cone->entry) != entries_seen.end()) continue;
     entries_seen.push_back(h.cone->entry);
     for (std::uint32_t p = entries_[h.cone->entry].first; p != none; p = pieces_[p].after) {
