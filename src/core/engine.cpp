@@ -71,6 +71,13 @@ struct Engine::Impl {
     if (broken) throw Error("the engine ran out of memory during an update; compact() builds it anew");
   }
 
+  // Before anything is touched.
+  void check_lights() const {
+    for (std::size_t k = 0; k < wanted.lights().size(); ++k) {
+      if (wanted.light_id(k).index != none) check(options, wanted.lights()[k]);
+    }
+  }
+
   // Runs a step; if it throws, nothing is answered any more.
   template <class Step>
   void guarded(const Step& step) {
@@ -88,7 +95,6 @@ struct Engine::Impl {
     t.revision = wanted.light_revision(light);
     ++changes.applied;
     const bool alive = wanted.light_id(light).index != none;
-    if (alive) check(options, wanted.lights()[light]);
     if (alive && t.tree) {
       t.tree->rebuild(wanted.lights()[light]);
     } else if (alive) {
@@ -139,6 +145,7 @@ struct Engine::Impl {
 
   const Changes& update(std::chrono::nanoseconds budget, bool limited) {
     require_whole();
+    check_lights();
     return run([&](Clock::time_point begin) {
       if (!built) {
         take_all();
@@ -149,6 +156,7 @@ struct Engine::Impl {
   }
 
   const Changes& compact() {
+    check_lights();
     if (broken) lights.clear();
     broken = false;
     return run([&](Clock::time_point) { take_all(); });
