@@ -17,7 +17,8 @@ std::string name_of(const FragmentId& id) { return text("fragment (", id.cell, "
 bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.data(), 3 * sizeof(double)) == 0; }
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 bool same_bits(const FaceArea& a, const FaceArea& b) {
-  return a.facing == b.facing && same_bits(a.area, b.area) && same_bits(a.lit, b.lit) && same_bits(a.shadowed, b.shadowed);
+  return a.facing == b.facing && same_bits(a.area, b.area) && same_bits(a.lit, b.lit) && same_bits(a.shadowed, b.shadowed) &&
+         same_bits(a.dropped, b.dropped);
 }
 
 bool same_fields(const Object& a, const Object& b) {
