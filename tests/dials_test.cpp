@@ -424,28 +424,6 @@ TEST_P(DialsOf, MinFeatureInRandomHistories) {
   }
 }
 
-// Whether a mover that comes and goes wears its surroundings away: after every round the scene is what it was, and no more is dropped than
-// a few times what a fresh engine drops.
-TEST(MinFeature, DISABLED_WearAndTear) {
-  for (const char* name : {"room2", "city", "spheres", "triangles"}) {
-    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-      EditScript script(setting_named(name), seed);
-      Options options;
-      options.threads = 1;
-      options.min_feature.area = 1e-2 * mean_area(script.scene());
-      Engine engine(script.scene(), options);
-      engine.update();
-      std::printf("%s %d: %g of %g;", name, int(seed), engine.shadows(0).stats.dropped_area, engine.shadows(0).stats.facing_area);
-      for (int round = 0; round < 1000; ++round) {
-        const std::size_t item = round % 7 % script.size();
-        for (int k = 0; k < 2; ++k) script.swing(item), engine.update();
-        if (round % 250 == 249) std::printf(" %g", engine.shadows(0).stats.dropped_area);
-      }
-      std::printf(" marked %d, again %d\n", int(engine.shadows(0).stats.marked_nodes), int(engine.shadows(0).stats.cells_built_again));
-    }
-  }
-}
-
 // Floats: areas by what they leave undecided, facing as the fast kernel's, everything else as of any kernel.
 TEST(Single, ItsResultIsTheFastOneButForWhatIsUndecided) {
   for (const Case& c : cases()) {

@@ -320,6 +320,8 @@ Plane common_plane(const Figure& figure, std::span<const Patch> patches, std::sp
     if (n.squaredNorm() > normal.squaredNorm()) normal = n;
   });
   if (normal.dot(leader.normal) < 0) normal = -normal;
+  // What rounding has left across an axis goes: short normals keep exact signs cheap.
+  normal = normal.unaryExpr([least = 0x1p-50 * normal.cwiseAbs().maxCoeff()](double c) { return std::abs(c) < least ? 0.0 : c; });
   leader.normal = normal.normalized();
   leader.exact_normal = normal * std::ldexp(1.0, -std::ilogb(normal.cwiseAbs().maxCoeff()));
   return leader;

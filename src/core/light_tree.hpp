@@ -168,7 +168,7 @@ class LightTree final : public LightShadows {
   std::string validate_books() const;
   double most_area(std::uint32_t facet, const ExactLight& exact) const;
   double thickness_of(std::uint32_t facet) const;
-  bool may_be_convex(const Cone& cone) const;
+  double kink(const Cone& cone) const;
   double thickness_left_out(const ExactLight& exact, std::vector<double>& undecided) const;
   double doubt_of_outline(std::uint32_t facet, double thickness) const;
 

@@ -337,7 +337,7 @@ double LightTree::thickness_of(std::uint32_t i) const {
 }
 
 // How thick those faces are that are not there because they are seen edge-on, and exactly are not: all together. They themselves are
-// undecided whole. A face whose loop does not run as its plane says is a light's that nearly touches it: then nothing is certain.
+// undecided whole. A face that is not quite convex is in the tree as if it were: that moves its edges by its kink.
 double LightTree::thickness_left_out(const ExactLight& exact, std::vector<double>& undecided) const {
   double thickness = 0;
   ConePool pool;
@@ -347,7 +347,7 @@ double LightTree::thickness_left_out(const ExactLight& exact, std::vector<double
     const Object& object = scene_.objects()[tables_.object_of(i)];
     if (enters_[i]) {
       Cone* cone = cone_of_facet(i, pool);
-      if (!may_be_convex(*cone)) thickness = 2;
+      thickness += 2 * kink(*cone);
       pool.give_back(cone);
     }
     if (turned_[i] != Turned::edge_on) continue;
@@ -359,16 +359,17 @@ double LightTree::thickness_left_out(const ExactLight& exact, std::vector<double
   return thickness;
 }
 
-// False: one of its corners is certainly on the outside of the edge before it.
-bool LightTree::may_be_convex(const Cone& cone) const {
+// How far a corner lies on the outside of the edge before it: by how much the loop is not convex as the light sees it.
+double LightTree::kink(const Cone& cone) const {
+  double deepest = 0;
   for (std::uint32_t k = 0; k < cone.count; ++k) {
     const EdgeRef edge = cone.corners()[k].edge;
     const Line& l = tables_.lines[edge.line()];
     const Real* r = cone.corners()[(k + 2) % cone.count].r;
-    const Real s = l.n[0] * r[0] + l.n[1] * r[1] + l.n[2] * r[2];
-    if ((edge.negative() ? -s : s) < -(static_cast<double>(l.error) + static_cast<double>(cone.error) + sign_slack)) return false;
+    const double s = l.n[0] * r[0] + l.n[1] * r[1] + l.n[2] * r[2];
+    deepest = std::max(deepest, edge.negative() ? s : -s);
   }
-  return true;
+  return deepest;
 }
 
 // What is in doubt of a facet as a whole: where faces that were left out may shadow it, and where its edges are, as its corners are on its

@@ -1,5 +1,6 @@
 // libFuzzer: bytes make a small scene, mostly on a grid, which is where everything degenerate happens; some coordinates are any double.
-// Its shadows are cast in every form; the tree must be valid and each face's fragments must add up to its area.
+// Its shadows are cast in every form, by every kernel, with and without smallest features left out; the tree must be valid and each face's
+// fragments must add up to its area.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -48,7 +49,8 @@ double size_of(const Scene& scene, const Face& face) {
   return size;
 }
 
-void check(const Scene& scene, const Shadows& shadows) {
+// accuracy: of a kernel's numbers, in roundings of a double.
+void check(const Scene& scene, const Shadows& shadows, double accuracy) {
   std::vector<double> lit(scene.faces().size()), shadowed(lit);
   for (const Block& block : shadows.blocks)
     for (const Fragment& f : block.fragments) {
@@ -61,9 +63,9 @@ void check(const Scene& scene, const Shadows& shadows) {
     if (area.facing == Facing::refused) continue;
     const double size = size_of(scene, scene.faces()[i]);
     // Coordinates and distances from the light are up to 16 here, and every corner carries a rounding of them.
-    const double tolerance = 1e-7 * (area.area + size * size) + 64 * 0x1p-53 * 16 * size;
+    const double tolerance = 1e-7 * (area.area + size * size) + accuracy * 64 * 0x1p-53 * 16 * size;
     require(area.lit >= 0 && area.shadowed >= 0, "a negative area");
-    require(std::abs(area.lit + area.shadowed - area.area) <= tolerance, "lit and shadowed do not make the area");
+    require(std::abs(area.lit + area.shadowed + area.dropped - area.area) <= tolerance, "lit and shadowed do not make the area");
     require(std::abs(lit[i] - area.lit) <= tolerance && std::abs(shadowed[i] - area.shadowed) <= tolerance, "fragments do not add up");
   }
 }
@@ -88,15 +90,20 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     settings.moves = kind & 128;
     scene.add(some_mesh(source, kind), settings);
   }
-  for (const Form form : {Form::pieces, Form::merged, Form::conforming}) {
-    options.form = form;
-    options.edits = false;
-    scene.replace_lights({&light, 1});
+  options.edits = false;
+  scene.replace_lights({&light, 1});
+  const auto run = [&](Kernel kernel, Form form, double least) {
+    options.kernel = kernel, options.form = form, options.min_feature.area = least;
     Engine engine(scene, options);
     engine.update();
     const std::string complaint = engine.validate();
     require(complaint.empty(), complaint.c_str());
-    check(scene, engine.shadows(0));
-  }
+    check(scene, engine.shadows(0), kernel == Kernel::single ? 0x1p29 : 1);
+    for (const double open : engine.undecided(0)) require(open >= 0 && std::isfinite(open), "an undecided area is no area");
+  };
+  for (const Form form : {Form::pieces, Form::merged, Form::conforming}) run(Kernel::fast, form, 0);
+  run(Kernel::exact, choice & 128 ? Form::pieces : Form::merged, 0);
+  run(Kernel::single, Form::merged, 0);
+  run(choice & 128 ? Kernel::exact : Kernel::fast, Form::pieces, 0.25);
   return 0;
 }
