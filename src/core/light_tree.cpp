@@ -314,7 +314,15 @@ bool LightTree::cut_convex(Cone* cone, Workspace& w, std::vector<Cone*>& parts) 
     if (wrong != none && simple && steps-- > 0) {
       const std::uint32_t id = part->corners()[wrong].edge.line();
       Signs signs(*part, l(id).n, INFINITY, w.spill);
-      signs.settle([&](std::uint32_t i) { return l.side(part->span(), i, part->facet, id, counts); });
+      std::vector<int> sides(part->count);
+      for (std::uint32_t i = 0; i < part->count; ++i) sides[i] = l.side(part->span(), i, part->facet, id, counts);
+      // The cut goes on from the edge's end, where the loop turns away: corners before that, on the line as well, stay with what is before.
+      std::uint32_t before = wrong;
+      while (sides[before] == 0 && before != (wrong + 1) % part->count) before = (before + part->count - 1) % part->count;
+      const int side_before = sides[before], side_behind = sides[(wrong + 2) % part->count];
+      for (std::uint32_t i = wrong; side_before == -side_behind && i != before; i = (i + part->count - 1) % part->count)
+        sides[i] = side_before;
+      signs.settle([&](std::uint32_t i) { return sides[i]; });
       std::uint32_t changes = 0;
       int last = 0;
       for (std::uint32_t i = 0; i < 2 * part->count; ++i) {
