@@ -415,7 +415,7 @@ std::string check_points(const Scene& scene, const LightSets& sets, std::size_t 
       [&](std::size_t k) { return sets.reaches(k, light); }, oracle, seed, count);
 }
 
-std::string check_conforming(const Scene& scene, const Shadows& shadows, double tolerance) {
+std::string check_conforming(const Scene& scene, const Shadows& shadows) {
   Report report;
   for (const auto& [face, all] : by_face(shadows)) {
     // Every directed edge, and the places where a fragment may end: the outline of the face's facets.
@@ -435,7 +435,7 @@ std::string check_conforming(const Scene& scene, const Shadows& shadows, double 
         for (std::size_t i = 0; i < corners.size(); ++i) {
           const Vec3 p = scene.vertices()[corners[i].vertex], d = scene.vertices()[corners[(i + 1) % corners.size()].vertex] - p;
           const auto off = [&](const Vec3& x) { return d.cross(x - p).norm() / d.norm(); };
-          if (off(a) < tolerance * scale && off(b) < tolerance * scale) return true;
+          if (off(a) < 1e-9 * scale && off(b) < 1e-9 * scale) return true;
         }
       }
       return false;

@@ -41,8 +41,8 @@ std::string check_points(const Scene& scene, const Shadows& shadows, const Oracl
 std::string check_points(const Scene& scene, const LightSets& sets, std::size_t light, const Oracle& oracle, std::uint64_t seed, int count);
 
 // Every edge of a fragment that is not on its face's outline is, to the bit and the other way round, an edge of another fragment: no
-// T-junction, no crack. Tolerance: how far off its face's outline, as a share of coordinates, an edge on the outline may be.
-std::string check_conforming(const Scene& scene, const Shadows& shadows, double tolerance = 1e-9);
+// T-junction, no crack.
+std::string check_conforming(const Scene& scene, const Shadows& shadows);
 
 // Corners of one face that are equal up to rounding are equal to the bit. For scenes in general position only: where three lines meet
 // in a point by construction, it may be computed from either two of them.

@@ -447,9 +447,6 @@ TEST(Single, ItsResultIsTheFastOneButForWhatIsUndecided) {
         }
         EXPECT_EQ(check_same_areas(c.scene, fast, one, 1e-9, &undecided), "");
         EXPECT_NEAR(one.stats.lit_area, fast.stats.lit_area, 1e-4 * fast.stats.facing_area);
-        if (form == Form::conforming) {
-          EXPECT_EQ(check_conforming(c.scene, one, 64 * 0x1p-24), "");
-        }
         options.threads = 2;
         EXPECT_EQ(check_identical(one, by_engine(c.scene, options)), "");
         if (!edits) {
