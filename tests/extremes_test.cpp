@@ -283,6 +283,34 @@ TEST(ExtremeSizes, AllFacesShareOneVertex) {
   }
 }
 
+// Straight corners off the line by roundings, and as the light sees them the loop turns the wrong way behind three of them in one line: it
+// has to be cut there, and was lost whole.
+TEST(ExtremeSizes, ANearlyStraightSideIsNoReasonToLoseAFace) {
+  Mesh mesh;
+  mesh.vertices = {
+      {-0.96946338118376474, 0.29382979467056503, 5.445862547374384}, {0.051718777598869003, 1.5382761399964906, 3.5},
+      {-1.1687119755285504, -2.9740666200502952, 8.2500596938440278}, {-1.7017218330602164, -2.4135758613575065, 8.2958983636808004},
+      {-1.4576356824347325, -1.5111073093481493, 7.3458864249119946}, {-1.2135495318092486, -0.60863875733879214, 6.3958744861431889}};
+  mesh.add_face({0, 1, 2, 3, 4, 5});
+  const Light light = Light::point({2.6288025820009624, -2.9187873557860682, 5.5065393478184115});
+  Scene scene;
+  scene.add(mesh, open_sheet());
+  const ExactOracle oracle(scene, light);
+  ASSERT_TRUE(oracle.defined());
+  for (const Kernel kernel : {Kernel::fast, Kernel::exact, Kernel::single}) {
+    for (const Form form : {Form::pieces, Form::merged, Form::conforming}) {
+      Options options;
+      options.kernel = kernel, options.form = form;
+      const Shadows shadows = cast_shadows(scene, light, options);
+      EXPECT_EQ(shadows.areas[0].facing, Facing::toward);
+      EXPECT_NEAR(shadows.areas[0].lit, exact_lit_area(oracle, scene.faces()[0]), kernel == Kernel::single ? 1e-5 : 1e-12);
+      if (kernel != Kernel::single) {
+        EXPECT_EQ(check_fragments(scene, light, shadows, kAreaTolerance, form), "");
+      }
+    }
+  }
+}
+
 // Sheets that all end in one vertex, every which way, over and through each other: the same in every order, exactly.
 TEST(ExtremeSizes, SheetsOfOneVertexInEveryOrder) {
   scenes::Random random(9);
