@@ -424,6 +424,29 @@ TEST_P(DialsOf, MinFeatureInRandomHistories) {
   }
 }
 
+// A mover that comes and goes does not wear its surroundings away: whenever the scene is what it was, about as much is dropped as at
+// first. Measured (a thousand rounds, 16 scenes): up to 2.5 times as much, and not more with time.
+TEST(MinFeature, ComingAndGoingDoesNotWearFacesAway) {
+  for (const char* name : {"rooms", "city", "spheres", "triangles"}) {
+    EditScript script(setting_named(name), 1);
+    Options options;
+    options.threads = 1;
+    options.min_feature.area = 1e-2 * mean_area(script.scene());
+    Engine engine(script.scene(), options);
+    engine.update();
+    const double at_first = engine.shadows(0).stats.dropped_area;
+    EXPECT_GT(at_first, 0);
+    for (std::size_t round = 0; round < 200; ++round) {
+      for (int k = 0; k < 2; ++k) {
+        script.swing(round % 7 % script.size());
+        engine.update();
+      }
+      ASSERT_LT(engine.shadows(0).stats.dropped_area, 4 * at_first) << name << ", round " << round;
+    }
+    EXPECT_EQ(engine.validate(), "") << name;
+  }
+}
+
 // Floats: areas by what they leave undecided, facing as the fast kernel's, everything else as of any kernel.
 TEST(Single, ItsResultIsTheFastOneButForWhatIsUndecided) {
   for (const Case& c : cases()) {
