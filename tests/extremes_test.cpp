@@ -167,7 +167,8 @@ TEST(ExtremeSizes, SheetsOneUlpApart) {
   for (const Order order : {Order::as_given, Order::random, Order::solid_angle}) {
     SCOPED_TRACE(static_cast<int>(order));
     check_stack(10000, 4, order, 1);
-    check_stack(soaks() ? 10000 : 300, 100000, order, 2);  // all over each other
+    // All over each other. The largest first is the nearest last here, or nearly: pieces grow with the square of the number of sheets.
+    check_stack(order == Order::solid_angle ? 200 : soaks() ? 10000 : 2000, 100000, order, 2);
   }
 }
 
