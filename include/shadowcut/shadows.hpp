@@ -34,7 +34,8 @@ enum class Kernel : std::uint8_t {
 enum class Form : std::uint8_t {
   pieces,      // as they lie in the tree
   merged,      // siblings of one face and one state reunited (Slater 1992, figure 6): both lit, or shadowed by faces of one object
-  conforming,  // merged, and every corner of a fragment that lies on an edge of another fragment of its face is a corner there too
+  conforming,  // merged, and every corner of a fragment that lies on an edge of another fragment of its face is a corner there too.
+               // (Kernel::single: but for corners that its rounding leaves apart)
 };
 
 // Order of insertion; any order gives the same lit regions, at different cost.
@@ -61,7 +62,8 @@ struct Construction {
 };
 
 // The smallest feature kept; 0: everything. Where a cut leaves the smaller of its two parts below this, that part is dropped: it neither
-// receives nor casts from there on, and its area is told in FaceArea::dropped. A face is never dropped whole.
+// receives nor casts from there on, and its area is told in FaceArea::dropped. A face is never dropped whole; what the prefix cuts off
+// stays.
 struct MinFeature {
   double area = 0;         // on the face, in square scene units
   double solid_angle = 0;  // as a point light sees it, in steradians
