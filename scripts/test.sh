@@ -12,6 +12,7 @@ fi
 
 # The fuzzers need clang; they must find nothing.
 CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSHADOWCUT_FUZZ=ON -DSHADOWCUT_BENCH=OFF \
+  -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -gline-tables-only" \
   -DSHADOWCUT_CLI=OFF -DSHADOWCUT_TESTS=OFF >/dev/null
 cmake --build build/fuzz
 mkdir -p build/fuzz/corpus/fuzz_obj build/fuzz/corpus/fuzz_build build/fuzz/corpus/fuzz_edits

@@ -229,7 +229,7 @@ struct Oracle::Impl {
     if (a.face == b.face && a.plane == b.plane) return false;
     const Plane& p = plane(f.facet);
     // Off its own plane a corner may be up to `flatness`, and the cone prolongs that.
-    const double slack = 0.5 * tolerance(f, q) - 4 * plane(q.facet).flatness;
+    const double slack = -2 * tolerance(f, q) - 4 * plane(q.facet).flatness;
     const bool behind = std::all_of(q.corners.begin(), q.corners.end(), [&](const Vec3& x) { return f.normal.dot(x - p.point) <= slack; });
     return !behind && !clear(f, q) && !clear(q, f);
   }
@@ -256,13 +256,19 @@ struct Oracle::Impl {
     }
     const Plane& p = plane(f.facet);
     const auto height = [&](const K::Point_3& x) -> FT { return vector(f.normal) * (x - point(p.point)); };
-    part = clip(part, height);
     const double tol = tolerance(f, q);
-    const auto within = [&](double d) {
-      return std::all_of(part.begin(), part.end(), [&](const K::Point_3& x) { return height(x) <= d; });
+    const auto all = [&](const Polygon& of, const auto& holds) {
+      return std::all_of(of.begin(), of.end(), [&](const K::Point_3& x) -> bool { return holds(height(x)); });
     };
-    if (part.size() < 3 || within(0)) return {};
-    touches = within(tol);
+    const Polygon in_front = clip(part, height);
+    touches = in_front.size() < 3 || all(in_front, [tol](const FT& h) { return h <= tol; });
+    if (!touches) {
+      part = in_front;
+    } else {
+      // The normals are rounded: what they put a little behind may be in front.
+      part = clip(part, [&](const K::Point_3& x) -> FT { return height(x) + tol; });
+      if (part.size() < 3 || all(part, [](const FT& h) { return h == 0; })) return {};
+    }
     for (K::Point_3& x : part) x = project(x, p);
     return part;
   }
@@ -343,18 +349,18 @@ struct Oracle::Impl {
       if (side.normal.dot(r) < -1e-11 * side.size * r.norm()) return Between::no;
     }
     const Plane& p = plane(q.facet);
-    if (q.normal.dot(x - p.point) >= 0.5 * tolerance(f, q)) return Between::no;  // x is in front of q
+    if (q.normal.dot(x - p.point) >= 4 * tolerance(f, q)) return Between::no;  // x is in front of q
     const K::Point_3 target = point(x);
     for (std::size_t i = 0; i < q.corners.size(); ++i) {
       const K::Point_3 a = point(q.corners[i]), b = point(q.corners[(i + 1) % q.corners.size()]);
       const K::Vector_3 n = point_light ? CGAL::cross_product(b - at, a - at) : CGAL::cross_product(b - a, travel);
       if (n * (target - (point_light ? at : a)) < 0) return Between::no;
     }
-    if (!(vector(q.normal) * (project(target, p) - target) > 0)) return Between::no;
-    // q may be in contact with f's plane where the ray to x meets it.
+    // q may be in contact with f's plane where the ray to x meets it; the normals are rounded, so on either side.
     const Plane& own = plane(f.facet);
     const FT height = vector(f.normal) * (project(target, p) - point(own.point));
-    return height <= 0 ? Between::no : height <= tolerance(f, q) ? Between::in_contact : Between::yes;
+    const double tol = tolerance(f, q);
+    return height > tol ? Between::yes : height > -tol ? Between::in_contact : Between::no;
   }
 
   bool lit(std::uint32_t facet, const Vec3& x) const {
