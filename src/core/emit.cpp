@@ -31,6 +31,24 @@ class AreaSum {
   Vec3 origin_, last_ = Vec3::Zero(), doubled_ = Vec3::Zero();
 };
 
+// Calls f(node, is_sp) for every node, after those below it.
+template <class F>
+void for_each_node_upward(const CellTree& tree, const F& f) {
+  std::vector<std::pair<Child, bool>> pending{{tree.root(), false}};
+  while (!pending.empty()) {
+    const auto [here, below_done] = pending.back();
+    pending.pop_back();
+    if (here.is_out()) continue;
+    if (below_done) {
+      f(here.node(), here.is_sp());
+      continue;
+    }
+    pending.emplace_back(here, true);
+    pending.emplace_back(tree.nodes()[here.node()].child[0], false);
+    if (here.is_sp()) pending.emplace_back(tree.nodes()[here.node()].child[1], false);
+  }
+}
+
 // In the facet's plane. Where a light nearly touches it the numbers may have no such point: then any of the facet's will do.
 Vec3 on_plane(const EmitTarget& target, std::uint32_t facet_id, const Real r[3]) {
   const Facet& facet = target.scene.facets()[facet_id];
@@ -52,7 +70,7 @@ class CellEmitter {
         reversed_(target.space.handedness() < 0),
         lines_(tree.lines()) {
     w_.points.clear();
-    if (merge_) find_states();
+    if (merge_) states_ = find_states(tree, target.scene);
   }
 
   void run() {
@@ -108,22 +126,7 @@ class CellEmitter {
     std::uint32_t piece, place, state;
   };
 
-  std::uint32_t state_of(Child c) const {
-    return c.is_out() ? lit_state : c.is_pp() ? owner_face(tree_, c.node()) : states_.empty() ? mixed_state : states_[c.node()];
-  }
-
-  // Whether fragments in these states may be handed out as one: both lit, or both shadowed by faces of one object.
-  bool alike(std::uint32_t a, std::uint32_t b) const { return alike_states(target_.scene, a, b); }
-
-  // By SP-node: the one state of everything below, or mixed. Children are settled before their parents.
-  void find_states() {
-    states_.resize(nodes_.size(), mixed_state);
-    for_each_node_upward(tree_, [this](std::uint32_t node, bool is_sp) {
-      if (!is_sp) return;
-      const std::uint32_t a = state_of(nodes_[node].child[0]);
-      if (alike(a, state_of(nodes_[node].child[1]))) states_[node] = a;
-    });
-  }
+  std::uint32_t state_of(Child c) const { return SHADOWCUT_NUMBERS::state_of(tree_, states_, c); }
 
   void emit_in_front(std::uint32_t piece, std::uint32_t front) {
     const auto any = [](EdgeRef) { return true; };
@@ -186,7 +189,7 @@ class CellEmitter {
     Held& a = held_[held_.size() - 2];
     const Held& b = held_.back();
     const std::span<const ConeCorner> corners = held_corners_;
-    if (!alike(a.state, b.state) ||
+    if (!alike_states(target_.scene, a.state, b.state) ||
         !unite(corners.subspan(a.first, a.count), corners.subspan(b.first, b.count), held_facet_, none, lines_, joined_))
       return false;
     held_corners_.resize(a.first);
@@ -243,6 +246,16 @@ class CellEmitter {
 };
 
 }  // namespace
+
+// Children are settled before their parents.
+std::vector<std::uint32_t> find_states(const CellTree& tree, const Scene& scene) {
+  std::vector<std::uint32_t> states(tree.nodes().size(), mixed_state);
+  for_each_node_upward(tree, [&](std::uint32_t node, bool is_sp) {
+    const auto& child = tree.nodes()[node].child;
+    if (is_sp) states[node] = joint_state(scene, state_of(tree, states, child[0]), state_of(tree, states, child[1]));
+  });
+  return states;
+}
 
 // The region of a face is its plane cut by its cone. Where its corners are flat only up to rounding, corners and region differ by as much,
 // and by more where the light nearly lies in the plane; areas are the region's, so that they add up. Elsewhere its vertices will do.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tree.hpp"
@@ -35,32 +36,26 @@ inline bool alike_states(const Scene& scene, std::uint32_t a, std::uint32_t b) {
   return scene.faces()[a].object == scene.faces()[b].object;
 }
 
+// Of what lies to both sides of a node.
+inline std::uint32_t joint_state(const Scene& scene, std::uint32_t a, std::uint32_t b) {
+  return alike_states(scene, a, b) ? a : mixed_state;
+}
+
 inline std::uint32_t owner_face(const CellTree& tree, std::uint32_t pp) {
   return tree.tables().facets[tree.pieces()[tree.nodes()[pp].id].facet].face;
 }
+
+// Of a branch, with those of the SP-nodes; without any, SP-nodes count as mixed.
+inline std::uint32_t state_of(const CellTree& tree, std::span<const std::uint32_t> of_nodes, Child c) {
+  return c.is_out() ? lit_state : c.is_pp() ? owner_face(tree, c.node()) : of_nodes.empty() ? mixed_state : of_nodes[c.node()];
+}
+// By SP-node.
+std::vector<std::uint32_t> find_states(const CellTree& tree, const Scene& scene);
 
 // Whether a piece gives fragments.
 inline bool hands_out(const EmitTarget& target, const Piece& piece) {
   return piece.kind != Piece::Kind::free && !target.tables.blocks_only[piece.facet] &&
          target.scene.objects()[target.tables.object_of(piece.facet)].receives;
-}
-
-// Calls f(node, is_sp) for every node, after those below it.
-template <class F>
-void for_each_node_upward(const CellTree& tree, const F& f) {
-  std::vector<std::pair<Child, bool>> pending{{tree.root(), false}};
-  while (!pending.empty()) {
-    const auto [here, below_done] = pending.back();
-    pending.pop_back();
-    if (here.is_out()) continue;
-    if (below_done) {
-      f(here.node(), here.is_sp());
-      continue;
-    }
-    pending.emplace_back(here, true);
-    pending.emplace_back(tree.nodes()[here.node()].child[0], false);
-    if (here.is_sp()) pending.emplace_back(tree.nodes()[here.node()].child[1], false);
-  }
 }
 
 // Whether a facet's area can be taken from its corners.

@@ -16,9 +16,7 @@ bool is_in_front(Piece::Kind kind) { return kind == Piece::Kind::owner || kind =
 
 }  // namespace
 
-std::uint32_t LiveCell::state_of(const CellTree& tree, Child c) const {
-  return c.is_out() ? lit_state : c.is_pp() ? owner_face(tree, c.node()) : states_[c.node()];
-}
+std::uint32_t LiveCell::state_of(const CellTree& tree, Child c) const { return SHADOWCUT_NUMBERS::state_of(tree, states_, c); }
 
 void LiveCell::make_room(const CellTree& tree) {
   states_.resize(tree.nodes().size(), mixed_state);
@@ -49,11 +47,7 @@ void LiveCell::start(const CellTree& tree, const EmitTarget& target, Workspace& 
 void LiveCell::emit_all(const CellTree& tree, const EmitTarget& target, Workspace& w) {
   w.points.clear();
   make_room(tree);
-  if (merge_) {
-    for_each_node_upward(tree, [&](std::uint32_t node, bool is_sp) {
-      if (is_sp) find_state(tree, target, node);
-    });
-  }
+  if (merge_) states_ = find_states(tree, target.scene);
   for (std::uint32_t p = 0; p < tree.pieces().size(); ++p) emit_piece(tree, p, target, w);
 }
 
@@ -80,8 +74,7 @@ void LiveCell::forget_fragments() {
 // True: it is another one than before.
 bool LiveCell::find_state(const CellTree& tree, const EmitTarget& target, std::uint32_t node) {
   const Node& n = tree.nodes()[node];
-  const std::uint32_t a = state_of(tree, n.child[0]);
-  const std::uint32_t state = alike_states(target.scene, a, state_of(tree, n.child[1])) ? a : mixed_state;
+  const std::uint32_t state = joint_state(target.scene, state_of(tree, n.child[0]), state_of(tree, n.child[1]));
   return std::exchange(states_[node], state) != state;
 }
 
@@ -328,8 +321,7 @@ std::string LiveCell::validate(const CellTree& tree, const EmitTarget& target, c
       pending.push_back(c);
     }
     if (!here.is_sp() || !below_pp[here.node()]) continue;
-    const std::uint32_t a = state_of(tree, node.child[0]), b = state_of(tree, node.child[1]);
-    if (states_[here.node()] != (alike_states(target.scene, a, b) ? a : mixed_state))
+    if (states_[here.node()] != joint_state(target.scene, state_of(tree, node.child[0]), state_of(tree, node.child[1])))
       return say("a node's state is not its sides'", here.node());
   }
   // 11. A fragment is found under its id, hangs at a settled place in front of its piece's PP-node, and is in the state of that place.

@@ -42,14 +42,8 @@ class CellDoubts {
         w_(w),
         out_(out),
         lines_(tree.lines()),
-        states_(tree.nodes().size(), mixed_state),
-        in_doubt_(tree.nodes().size(), 0.0) {
-    for_each_node_upward(tree_, [this](std::uint32_t node, bool is_sp) {
-      if (!is_sp) return;
-      const std::uint32_t a = state_of(tree_.nodes()[node].child[0]);
-      if (alike_states(target_.scene, a, state_of(tree_.nodes()[node].child[1]))) states_[node] = a;
-    });
-  }
+        states_(find_states(tree, target.scene)),
+        in_doubt_(tree.nodes().size(), 0.0) {}
 
   void run() {
     for (const Piece& piece : tree_.pieces()) {
@@ -68,7 +62,7 @@ class CellDoubts {
   }
 
  private:
-  std::uint32_t state_of(Child c) const { return c.is_out() ? lit_state : c.is_pp() ? owner_face(tree_, c.node()) : states_[c.node()]; }
+  std::uint32_t state_of(Child c) const { return SHADOWCUT_NUMBERS::state_of(tree_, states_, c); }
   std::uint32_t plane_index(std::uint32_t facet) const { return target_.tables.facets[facet].plane; }
   const PlaneRay& plane_of(std::uint32_t facet) const { return target_.tables.planes[plane_index(facet)]; }
   std::uint32_t owner_of(std::uint32_t pp) const { return tree_.pieces()[tree_.nodes()[pp].id].facet; }
