@@ -67,6 +67,7 @@ struct Construction {
 struct MinFeature {
   double area = 0;         // on the face, in square scene units
   double solid_angle = 0;  // as a point light sees it, in steradians
+  bool keeps_all() const { return area == 0 && solid_angle == 0; }
 };
 
 struct Options {

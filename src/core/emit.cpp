@@ -15,22 +15,6 @@
 namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
-// The area of a polygon handed over corner by corner, as its part along the plane's normal: linear in the corners, so the areas of parts
-// add up.
-class AreaSum {
- public:
-  explicit AreaSum(const Vec3& first) : origin_(first) {}
-  void add(const Vec3& x) {
-    const Vec3 spoke = x - origin_;
-    doubled_ += last_.cross(spoke);
-    last_ = spoke;
-  }
-  double area(const Vec3& normal) const { return std::abs(doubled_.dot(normal)) / 2; }
-
- private:
-  Vec3 origin_, last_ = Vec3::Zero(), doubled_ = Vec3::Zero();
-};
-
 // Calls f(node, is_sp) for every node, after those below it.
 template <class F>
 void for_each_node_upward(const CellTree& tree, const F& f) {
@@ -129,34 +113,12 @@ class CellEmitter {
   std::uint32_t state_of(Child c) const { return SHADOWCUT_NUMBERS::state_of(tree_, states_, c); }
 
   void emit_in_front(std::uint32_t piece, std::uint32_t front) {
-    const auto any = [](EdgeRef) { return true; };
-    SignCounts counts;
-    Cone* whole = tree_.cone_of(pieces_[piece], w_.pool);
-    whole->at = front;
-    w_.pending.push_back(whole);
-    while (!w_.pending.empty()) {
-      Cone* cone = w_.pending.back();
-      w_.pending.pop_back();
-      std::uint32_t place = cone->at, state;
-      for (;;) {
-        const Child here = tree_.child_at(place);
-        state = state_of(here);
-        if (state != mixed_state) break;
-        const Node& node = nodes_[here.node()];
-        Cone* cut_off;
-        place = here.node() * 2 + sift(cone, node.n, node.error, node.id, lines_, any, w_.pool, w_.spill, cut_off, counts);
-        if (!cut_off) continue;
-        if (Cone* lost = too_small(target_.tables, cone, cut_off)) {
-          if (lost == cone) cone = cut_off, place = here.node() * 2 + 1;
-          w_.pool.give_back(lost);
-          continue;
-        }
-        cut_off->at = here.node() * 2 + 1;
-        w_.pending.push_back(cut_off);
-      }
-      hold(cone->facet, cone->span(), piece, place, state);
+    std::uint32_t state = mixed_state;
+    const auto stop = [&](Child here) { return (state = state_of(here)) != mixed_state; };
+    descend(tree_, tree_.cone_of(pieces_[piece], w_.pool), front, true, w_, stop, [&](Cone* cone) {
+      hold(cone->facet, cone->span(), piece, cone->at, state);
       w_.pool.give_back(cone);
-    }
+    });
   }
 
   void emit_piece(std::uint32_t p, std::uint32_t place, std::uint32_t state) {

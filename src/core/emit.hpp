@@ -58,6 +58,22 @@ inline bool hands_out(const EmitTarget& target, const Piece& piece) {
          target.scene.objects()[target.tables.object_of(piece.facet)].receives;
 }
 
+// The area of a polygon handed over corner by corner, as its part along the plane's normal: linear in the corners, so the areas of parts
+// add up.
+class AreaSum {
+ public:
+  explicit AreaSum(const Vec3& first) : origin_(first) {}
+  void add(const Vec3& x) {
+    const Vec3 spoke = x - origin_;
+    doubled_ += last_.cross(spoke);
+    last_ = spoke;
+  }
+  double area(const Vec3& normal) const { return std::abs(doubled_.dot(normal)) / 2; }
+
+ private:
+  Vec3 origin_, last_ = Vec3::Zero(), doubled_ = Vec3::Zero();
+};
+
 // Whether a facet's area can be taken from its corners.
 bool corners_will_do(const EmitTarget& target, std::uint32_t facet);
 

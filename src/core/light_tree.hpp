@@ -193,9 +193,8 @@ class LightTree final : public LightShadows {
   void set_area(std::uint32_t face, const FaceArea& area);
   // Nothing but the smallest features is missing from a face's fragments, and they do not overlap.
   void set_dropped(FaceArea& a) const {
-    const bool any = tables_.least.area > 0 || tables_.least.solid_angle > 0;
     const bool has_fragments = a.facing != Facing::ignored && a.facing != Facing::refused;
-    a.dropped = any && has_fragments ? std::max(0.0, a.area - a.lit - a.shadowed) : 0;
+    a.dropped = has_fragments && !tables_.least.keeps_all() ? std::max(0.0, a.area - a.lit - a.shadowed) : 0;
   }
   void absorb(std::span<const std::uint32_t> cells);
   void absorb(const LiveCell::AreaChange& change);

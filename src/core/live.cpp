@@ -229,9 +229,6 @@ void LiveCell::emit_piece(const CellTree& tree, std::uint32_t p, const EmitTarge
 void LiveCell::emit_in_front(const CellTree& tree, std::uint32_t p, std::uint32_t way, const EmitTarget& target, Workspace& w) {
   const Piece& piece = tree.pieces()[p];
   if (!hands_out(target, piece)) return;
-  const Lines lines = tree.lines();
-  const auto any = [](EdgeRef) { return true; };
-  SignCounts counts;
   const auto send = [&w](Cone* cone, std::uint32_t place, std::uint32_t from_here) {
     cone->at = place;
     cone->entry = from_here;  // of no other use here: the way still to be followed
@@ -253,16 +250,9 @@ void LiveCell::emit_in_front(const CellTree& tree, std::uint32_t p, std::uint32_
         if (follow == 0) add(tree, p, place, state, cone->span(), target, w);
         break;
       }
-      const Node& node = tree.nodes()[here.node()];
       Cone* cut_off;
-      place = here.node() * 2 + sift(cone, node.n, node.error, node.id, lines, any, w.pool, w.spill, cut_off, counts);
-      if (!cut_off) continue;
-      if (Cone* lost = too_small(target.tables, cone, cut_off)) {
-        if (lost == cone) cone = cut_off, place = here.node() * 2 + 1;
-        w.pool.give_back(lost);
-        continue;
-      }
-      send(cut_off, here.node() * 2 + 1, follow);
+      place = step_down(tree, here.node(), true, cone, cut_off, w);
+      if (cut_off) send(cut_off, here.node() * 2 + 1, follow);
     }
     w.pool.give_back(cone);
   }

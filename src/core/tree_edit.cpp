@@ -234,7 +234,7 @@ bool CellTree::join(std::uint32_t node, Workspace& w) {
   const auto is_above = [&](std::uint32_t id) { return std::find(above.begin(), above.end(), id) != above.end(); };
 
   // Faces cut by the node, on the large side. Where the smallest features are dropped, what is left on the small side need not reach it.
-  const bool may_lack_edge = tables_->least.area > 0 || tables_->least.solid_angle > 0;
+  const bool may_lack_edge = !tables_->least.keeps_all();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> others;  // how deep below the node; piece
   std::vector<std::uint32_t> entries_seen;
   for (const Displaced& h : halves) {

@@ -19,6 +19,7 @@
 #include <cmath>
 
 #include "light_tree.hpp"
+#include "smallest_feature.hpp"
 
 namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
@@ -93,12 +94,11 @@ class CellDoubts {
     const auto at = [&](const ConeCorner& c) { return is_given(c) ? target_.scene.vertices()[c.vertex] : target_.space.back(c.r, ray.q); };
     double perimeter = 0, spread = 0, extent = 0, pull = 0;
     bool all_given = true;  // the scene's own vertices: no rounding has moved them
-    Vec3 sum = Vec3::Zero();
-    const Vec3 first = at(cone.corners()[0]);
+    AreaSum sum(at(cone.corners()[0]));
     Vec3 last = at(cone.corners()[cone.count - 1]);
     for (const ConeCorner& c : cone.span()) {
       const Vec3 x = at(c);
-      sum += (last - first).cross(x - first);
+      sum.add(x);
       perimeter += (x - last).norm();
       last = x;
       spread = std::max(spread, target_.space.spread(x, plane));
@@ -109,7 +109,7 @@ class CellDoubts {
     const double turned = 2 * spread * (static_cast<double>(cone.error) + sign_slack), pulled = 2 * pull * static_cast<double>(ray.error);
     const double moved = all_given ? 0 : no_nan(turned + pulled + 4 * unit_roundoff * extent);
     Polygon out;
-    out.area = no_nan(std::abs(sum.dot(plane.normal)) / 2 + (perimeter + 4 * moved) * moved);
+    out.area = no_nan(sum.area(plane.normal) + (perimeter + 4 * moved) * moved);
     out.rounding = no_nan(16 * unit_roundoff * out.area + perimeter * moved);
     return out;
   }
@@ -183,7 +183,7 @@ class CellDoubts {
   // An owner, or what is taken as lying in one plane with it, down to places in one state.
   void look_in_front(const Piece& piece) {
     const auto stop = [this](Child here) { return state_of(here) != mixed_state; };
-    descend(whole(piece), piece.place * 2, stop, [&](Cone* cone) { look(cone, cone->at, piece.place); });
+    descend(tree_, whole(piece), piece.place * 2, false, w_, stop, [&](Cone* cone) { look(cone, cone->at, piece.place); });
   }
 
   // Taken as lying in one plane with a PP-node's owner, and not certainly in it: either may be the nearer one.
@@ -204,7 +204,7 @@ class CellDoubts {
     while (!pending.empty()) {
       Cone* next = pending.back();
       pending.pop_back();
-      descend(next, next->at, stop, [&](Cone* cone) {
+      descend(tree_, next, next->at, false, w_, stop, [&](Cone* cone) {
         const Child here = tree_.child_at(cone->at);
         if (here.is_out()) {
           for (std::uint32_t p = here.is_empty() ? none : here.first_piece(); p != none; p = tree_.pieces()[p].next)
@@ -234,30 +234,6 @@ class CellDoubts {
     if (const double share = shares_against(*cone, piece.facet, -1).other; share > 0)
       doubt(piece.facet, share * seen_on(*cone, piece.facet).area);
     w_.pool.give_back(cone);
-  }
-
-  // Cuts a cone by the SP-nodes below a place, down to where `stop` says. Takes the cone; take() gets the parts.
-  template <class Stop, class Take>
-  void descend(Cone* whole, std::uint32_t from, const Stop& stop, const Take& take) {
-    const auto any = [](EdgeRef) { return true; };
-    SignCounts counts;
-    whole->at = from;
-    std::vector<Cone*> pending{whole};
-    while (!pending.empty()) {
-      Cone* cone = pending.back();
-      pending.pop_back();
-      std::uint32_t place = cone->at;
-      for (Child here = tree_.child_at(place); !stop(here); here = tree_.child_at(place)) {
-        const Node& node = tree_.nodes()[here.node()];
-        Cone* cut_off;
-        place = here.node() * 2 + sift(cone, node.n, node.error, node.id, lines_, any, w_.pool, w_.spill, cut_off, counts);
-        if (!cut_off) continue;
-        cut_off->at = here.node() * 2 + 1;
-        pending.push_back(cut_off);
-      }
-      cone->at = place;
-      take(cone);
-    }
   }
 
   bool is_in_plane_of_owner(const Piece& piece) const {
@@ -298,14 +274,14 @@ double LightTree::most_area(std::uint32_t i, const ExactLight& exact) const {
     const Vec3& x = scene_.vertices()[c.vertex];
     points.push_back(front != 0 && exact.ahead(plane, x) > 0 ? exact.point(plane, {&x, false, nullptr, nullptr, false, false}) : x);
   }
-  Vec3 sum = Vec3::Zero();
+  AreaSum sum(points[0]);
   double perimeter = 0, extent = 0;
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Vec3 &x = points[k], &next = points[(k + 1) % points.size()];
-    sum += (x - points[0]).cross(next - points[0]);
+    sum.add(next);
     perimeter += (next - x).norm(), extent = std::max(extent, x.cwiseAbs().maxCoeff());
   }
-  const double area = std::max(std::abs(sum.dot(plane.normal)) / 2, area_of_facet(target(), i, facing_[i] == Facing::toward));
+  const double area = std::max(sum.area(plane.normal), area_of_facet(target(), i, facing_[i] == Facing::toward));
   return area * (1 + 64 * unit_roundoff) + perimeter * (4 * unit_roundoff * extent + 8 * unit_roundoff * perimeter);
 }
 

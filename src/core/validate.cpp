@@ -183,7 +183,8 @@ std::string LightTree::validate() const {
       }
     }
     const double reach = space_.reach(box) + box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).norm();
-    if (!(std::abs(a.lit + a.shadowed + a.dropped - a.area) <= 1e-9 * a.area + (64 * reach + 8 * spread) * roundoff * box.diagonal().norm())) {
+    if (!(std::abs(a.lit + a.shadowed + a.dropped - a.area) <=
+          1e-9 * a.area + (64 * reach + 8 * spread) * roundoff * box.diagonal().norm())) {
       return say("a face's lit and shadowed areas do not add up to its area", f);
     }
   }
