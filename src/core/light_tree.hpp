@@ -131,9 +131,10 @@ class LightTree final : public LightShadows {
   Cone* cone_of_facet(std::uint32_t facet, ConePool& pool) const;
   void note_for_exact(const Object& object, ExactLight& exact) const;
   void span_prefix();
-  void face_exactly();
+  void face_exactly();  // shapes.cpp, with the next three
   void face_exactly(std::uint32_t facet);
   bool cut_convex(Cone* cone, Workspace& w, std::vector<Cone*>& parts) const;
+  double turn_behind(const Cone& cone, std::uint32_t edge) const;
   // The convex cones of a facet: mostly one.
   template <class Take>
   void for_each_cone_of(std::uint32_t facet, Workspace& w, const Take& take) const {

@@ -290,6 +290,8 @@ double LightTree::most_area(std::uint32_t i, const ExactLight& exact) const {
 double LightTree::thickness_of(std::uint32_t i) const {
   const auto corners = scene_.corners_of(scene_.facets()[i]);
   const auto at = [&](std::size_t k) -> const Vec3& { return scene_.vertices()[corners[k % corners.size()].vertex]; };
+  std::vector<Vec3> rays;
+  for (std::size_t k = 0; k < corners.size(); ++k) rays.emplace_back(space_.ray(at(k)).r);
   double thickness = 0;
   Vec3 axis = Vec3::Zero(), turn = Vec3::Zero();
   for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -297,11 +299,10 @@ double LightTree::thickness_of(std::uint32_t i) const {
     const Vec3 n(edge.n);
     if (!n.allFinite()) return 2;
     double farthest = 0;
-    for (std::size_t j = 0; j < corners.size(); ++j) farthest = std::max(farthest, std::abs(n.dot(Vec3(space_.ray(at(j)).r))));
+    for (const Vec3& ray : rays) farthest = std::max(farthest, std::abs(n.dot(ray)));
     thickness = std::max(thickness, farthest + static_cast<double>(edge.error) + sign_slack);
-    const Vec3 from(space_.ray(at(k)).r), to(space_.ray(at(k + 1)).r);
     if (axis.isZero()) axis = n;
-    turn += (n.dot(axis) < 0 ? -1 : 1) * std::acos(std::clamp(from.dot(to), -1.0, 1.0)) * axis;
+    turn += (n.dot(axis) < 0 ? -1 : 1) * std::acos(std::clamp(rays[k].dot(rays[(k + 1) % rays.size()]), -1.0, 1.0)) * axis;
   }
   return turn.norm() > 3 ? 2 : std::min(2 * thickness, 2.0);
 }
@@ -329,16 +330,10 @@ double LightTree::thickness_left_out(const ExactLight& exact, std::vector<double
   return thickness;
 }
 
-// How far a corner lies on the outside of the edge before it: by how much the loop is not convex as the light sees it.
+// By how much the loop is not convex as the light sees it.
 double LightTree::kink(const Cone& cone) const {
   double deepest = 0;
-  for (std::uint32_t k = 0; k < cone.count; ++k) {
-    const EdgeRef edge = cone.corners()[k].edge;
-    const Line& l = tables_.lines[edge.line()];
-    const Real* r = cone.corners()[(k + 2) % cone.count].r;
-    const double s = l.n[0] * r[0] + l.n[1] * r[1] + l.n[2] * r[2];
-    deepest = std::max(deepest, edge.negative() ? s : -s);
-  }
+  for (std::uint32_t k = 0; k < cone.count; ++k) deepest = std::max(deepest, -turn_behind(cone, k));
   return deepest;
 }
 

@@ -1,0 +1,179 @@
+// Facets as the light sees them, exactly. Flat up to rounding, and with straight corners, a loop may be convex only nearly; then it is cut
+// along the lines of its own edges where it turns the wrong way. One that has no area there, or crosses itself, is seen edge-on.
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "light_tree.hpp"
+
+namespace shadowcut::SHADOWCUT_NUMBERS {
+namespace {
+
+std::uint32_t next(const Cone& cone, std::uint32_t i) { return i + 1 == cone.count ? 0 : i + 1; }
+std::uint32_t previous(const Cone& cone, std::uint32_t i) { return (i == 0 ? cone.count : i) - 1; }
+
+void erase_corner(Cone& cone, std::uint32_t i) {
+  ConeCorner* c = cone.corners();
+  std::copy(c + i + 1, c + cone.count, c + i);
+  --cone.count;
+}
+
+// Edges whose ends the light sees in one place: the corner behind such an edge goes.
+void drop_null_edges(Cone& cone, const Lines& l, const ExactLight& exact) {
+  ConeCorner* c = cone.corners();
+  for (std::uint32_t k = 0; k < cone.count;) {
+    if (l(c[k].edge.line()).error <= 0x1p-20f || !exact.is_null(l.exact(c[k].edge.line()))) {
+      ++k;
+      continue;
+    }
+    const std::uint32_t behind = next(cone, k);
+    c[k].edge = c[behind].edge;
+    erase_corner(cone, behind);
+    if (behind < k) --k;
+  }
+}
+
+struct Turns {
+  bool any = false;            // the loop has an area
+  std::uint32_t wrong = none;  // the edge behind which it turns outward
+};
+
+Turns turns_of(const Cone& cone, const Lines& l, SignCounts& counts) {
+  Turns out;
+  for (std::uint32_t k = 0; k < cone.count && cone.count >= 3; ++k) {
+    const EdgeRef edge = cone.corners()[k].edge;
+    const int turn = (edge.negative() ? -1 : 1) * l.side(cone.span(), next(cone, next(cone, k)), cone.facet, edge.line(), counts);
+    out.any = out.any || turn != 0;
+    if (turn < 0) out.wrong = k;
+  }
+  return out;
+}
+
+// On which sides of an edge's line the corners lie, for a cut that goes on from the edge's end, where the loop turns away: corners before
+// that, on the line as well, stay with what is before.
+std::vector<int> sides_of(const Cone& cone, std::uint32_t edge, const Lines& l, SignCounts& counts) {
+  std::vector<int> sides(cone.count);
+  for (std::uint32_t i = 0; i < cone.count; ++i) sides[i] = l.side(cone.span(), i, cone.facet, cone.corners()[edge].edge.line(), counts);
+  const std::uint32_t end = next(cone, edge);
+  std::uint32_t before = edge;
+  while (sides[before] == 0 && before != end) before = previous(cone, before);
+  const int side_before = sides[before];
+  if (side_before != -sides[next(cone, end)]) return sides;
+  for (std::uint32_t i = edge; i != before; i = previous(cone, i)) sides[i] = side_before;
+  return sides;
+}
+
+// How often the loop goes from one side to the other.
+std::uint32_t crossings(const std::vector<int>& sides) {
+  std::uint32_t changes = 0;
+  int last = 0;
+  for (std::size_t i = 0; i < 2 * sides.size(); ++i) {  // the first round only finds the side to begin with
+    const int s = sides[i % sides.size()];
+    if (s == 0) continue;
+    changes += i >= sides.size() && s != last;
+    last = s;
+  }
+  return changes;
+}
+
+// One side of a cut along an edge's own line.
+void tidy(Cone& half, const Lines& l) {
+  // Out and back along the cut, where the edge itself lies.
+  ConeCorner* c = half.corners();
+  for (std::uint32_t i = 0; i < half.count; ++i) {
+    const EdgeRef in = incoming(half.span(), i), out = c[i].edge;
+    if (in.line() != out.line() || in.negative() == out.negative()) continue;
+    erase_corner(half, i);
+    break;
+  }
+  // Where the cut ends at a corner of the facet, it is that corner.
+  for (std::uint32_t i = 0; i < half.count; ++i) {
+    if (c[i].vertex == none) c[i].vertex = l.shared_vertex(incoming(half.span(), i), c[i].edge);
+  }
+}
+
+}  // namespace
+
+// How far the corner behind an edge's end lies on the edge's inside, as the numbers have it.
+double LightTree::turn_behind(const Cone& cone, std::uint32_t k) const {
+  const EdgeRef edge = cone.corners()[k].edge;
+  const Line& l = tables_.lines[edge.line()];
+  const Real* r = cone.corners()[next(cone, next(cone, k))].r;
+  const Real s = l.n[0] * r[0] + l.n[1] * r[1] + l.n[2] * r[2];
+  return edge.negative() ? -s : s;
+}
+
+void LightTree::face_exactly() {
+  shapes_.assign(scene_.facets().size(), convex);
+  tbb::parallel_for(std::size_t{0}, shapes_.size(), [this](std::size_t i) { face_exactly(static_cast<std::uint32_t>(i)); });
+}
+
+void LightTree::face_exactly(std::uint32_t facet) {
+  if (!enters_[facet]) return;
+  shapes_[facet] = convex;
+  Workspace& w = workspaces_.local();
+  Cone* cone = cone_of_facet(facet, w.pool);
+  bool sure = true;
+  for (std::uint32_t k = 0; k < cone->count && sure; ++k) {
+    const float line_error = tables_.lines[cone->corners()[k].edge.line()].error;
+    sure = turn_behind(*cone, k) > static_cast<double>(line_error) + static_cast<double>(cone->error) + sign_slack;
+  }
+  if (sure) return w.pool.give_back(cone);
+  std::vector<Cone*> parts;
+  const std::uint32_t corners = cone->count;
+  bool simple = cut_convex(cone, w, parts);
+  if (!simple || parts.empty()) {
+    // The light may be so near to the plane that the loop runs the other way round than the plane says.
+    for (Cone* part : parts) w.pool.give_back(part);
+    parts.clear();
+    shapes_[facet] = reversed;
+    simple = cut_convex(cone_of_facet(facet, w.pool), w, parts);
+  }
+  if (!simple || parts.empty()) {
+    enters_[facet] = 0;
+    turned_[facet] = Turned::edge_on;
+    if (facing_[facet] == Facing::toward) facing_[facet] = Facing::away;
+  } else if (parts.size() > 1 || parts[0]->count != corners) {
+    shapes_[facet] |= to_be_cut;
+  }
+  for (Cone* part : parts) w.pool.give_back(part);
+}
+
+// Takes the cone. False: it crosses itself.
+bool LightTree::cut_convex(Cone* cone, Workspace& w, std::vector<Cone*>& parts) const {
+  const Lines l = lines();
+  SignCounts counts;
+  drop_null_edges(*cone, l, *tables_.exact);
+  std::vector<Cone*> pending{cone};
+  bool simple = true;
+  for (std::size_t steps = 2 * cone->count; !pending.empty();) {
+    Cone* part = pending.back();
+    pending.pop_back();
+    const Turns turns = turns_of(*part, l, counts);
+    if (turns.wrong == none && turns.any) {
+      parts.push_back(part);
+      continue;
+    }
+    if (turns.wrong != none) {
+      simple = simple && steps-- > 0;
+      const std::vector<int> sides = simple ? sides_of(*part, turns.wrong, l, counts) : std::vector<int>();
+      simple = simple && crossings(sides) == 2;
+      if (simple) {
+        const std::uint32_t id = part->corners()[turns.wrong].edge.line();
+        Signs signs(*part, l(id).n, INFINITY, w.spill);
+        signs.settle([&](std::uint32_t i) { return sides[i]; });
+        Cone *positive, *negative;
+        split(*part, signs, l(id).n, l(id).error, id, false, l, w.pool, positive, negative);
+        for (Cone* half : {positive, negative}) {
+          tidy(*half, l);
+          pending.push_back(half);
+        }
+      }
+    }
+    w.pool.give_back(part);
+  }
+  return simple;
+}
+
+}  // namespace shadowcut::SHADOWCUT_NUMBERS
