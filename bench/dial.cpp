@@ -29,7 +29,6 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -38,6 +37,7 @@
 #include <shadowcut/io.hpp>
 
 #include "compare.hpp"
+#include "json_file.hpp"
 #include "samplers.hpp"
 #include "scenes.hpp"
 
@@ -536,10 +536,7 @@ void run(const Arguments& a) {
     for (Scene& scene : scenes) scene.replace_lights(std::vector<Light>{Light::directional({0.4131, 0.2713, -1})});
     bench.run(setup.name, scenes[0], coplanar);
   }
-  if (a.json.empty()) return;
-  std::ofstream out(a.json);
-  out << bench.json().dump(1) << "\n";
-  if (!out.flush()) throw Error(a.json + ": cannot be written");
+  write_json(a.json, bench.json());
 }
 
 }  // namespace

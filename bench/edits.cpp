@@ -21,13 +21,13 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
 #include <shadowcut/shadows.hpp>
 
+#include "json_file.hpp"
 #include "scenes.hpp"
 
 namespace {
@@ -343,10 +343,7 @@ void run(const Arguments& a) {
   for (const auto& [name, group] : groups)
     if (bench.wanted(name)) group(bench);
   if (a.long_moves > 0) long_run(bench);
-  if (a.json.empty()) return;
-  std::ofstream out(a.json);
-  out << bench.json().dump(1) << "\n";
-  if (!out.flush()) throw Error(a.json + ": cannot be written");
+  bench::write_json(a.json, bench.json());
 }
 
 }  // namespace

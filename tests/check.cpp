@@ -261,6 +261,14 @@ std::string check_points_of(const Scene& scene, const Fragments& fragments, cons
 
 }  // namespace
 
+Alone cast_alone(const Scene& scene, const Light& light, const Options& options) {
+  Scene lone = scene;
+  lone.replace_lights({&light, 1});
+  Engine engine(lone, options);
+  engine.update();
+  return {engine.shadows(0), engine.undecided(0)};
+}
+
 double polygon_area(std::span<const Vec3> corners) { return area_vector(corners).norm(); }
 
 std::string check_areas(const Scene& scene, const Shadows& shadows, const Oracle& oracle, const Undecided* undecided) {

@@ -17,6 +17,13 @@ inline constexpr double kAreaTolerance = 1e-9;
 // as what it exactly is.
 using Undecided = std::vector<double>;
 
+// What an engine made for the scene as it stands, with this light alone, has for it.
+struct Alone {
+  Shadows shadows;
+  Undecided undecided;
+};
+Alone cast_alone(const Scene& scene, const Light& light, const Options& options);
+
 // Facing, area and lit area of every face against the oracle.
 std::string check_areas(const Scene& scene, const Shadows& shadows, const Oracle& oracle, const Undecided* undecided = nullptr);
 

@@ -376,34 +376,27 @@ Options some_options(std::uint64_t seed) {
   return o;
 }
 
-// A result that an engine of the fast kernel, with nothing dropped, has for the scene as it stands, and what it leaves undecided.
-std::pair<Shadows, Undecided> full_result(const Scene& scene, const Light& light) {
-  Options once;
-  once.threads = 1, once.edits = false;
-  Scene lone = scene;
-  lone.replace_lights({&light, 1});
-  Engine anew(lone, once);
-  anew.update();
-  return {anew.shadows(0), anew.undecided(0)};
-}
-
 class DialsOf : public ::testing::TestWithParam<Setting> {};
 INSTANTIATE_TEST_SUITE_P(Settings, DialsOf, ::testing::ValuesIn(all_settings().begin(), all_settings().end()),
                          [](const auto& info) { return std::string(info.param.name); });
 
-// Random histories with a smallest feature: what edits hand out is consistent and adds up, and every state keeps to the relations above.
-TEST_P(DialsOf, MinFeatureInRandomHistories) {
+// Random histories, from a first seed on: whatever set(options, seed, scene) makes of some options, what edits hand out is consistent, and
+// check(scene, light, full, shadows, undecided, options) has nothing to say of any light: against the full result, that of the fast kernel
+// with nothing dropped, and what the two leave undecided together.
+template <class Set, class Check>
+void run_histories(const Setting& setting, std::uint64_t first, const Set& set, const Check& check) {
   const std::uint64_t updates = environment("SHADOWCUT_SOAK").value_or(2600) / all_settings().size() + 1;
   std::uint64_t done = 0;
-  for (std::uint64_t seed = 40000 + first_seed(); done < updates; ++seed) {
-    EditScript script(GetParam(), seed);
-    Options options = some_options(seed);
-    options.min_feature.area = std::array{1e-6, 1e-3, 0.05, 1.0}[seed % 4] * mean_area(script.scene());
+  for (std::uint64_t seed = first + first_seed(); done < updates; ++seed) {
+    EditScript script(setting, seed);
+    Options options = some_options(seed), once;
+    once.threads = 1, once.edits = false;
+    set(options, seed, script.scene());
     Engine engine(script.scene(), options);
     Mirror mirror;
     std::string edits = "the first update";
     for (int step = 0; step < 30; ++step, ++done) {
-      SCOPED_TRACE(text("setting ", GetParam().name, ", seed ", seed, ", ", describe_all(options), ", step ", step, ": ", edits));
+      SCOPED_TRACE(text("setting ", setting.name, ", seed ", seed, ", ", describe_all(options), ", step ", step, ": ", edits));
       ASSERT_EQ(mirror.apply(engine.update(), engine), "");
       ASSERT_EQ(engine.validate(), "");
       if (step % 8 == 7) {
@@ -412,16 +405,27 @@ TEST_P(DialsOf, MinFeatureInRandomHistories) {
       const Scene& scene = engine.scene();
       for (std::size_t k = 0; k < engine.light_count(); ++k) {
         if (scene.light_id(k).index == none) continue;
-        auto [full, undecided] = full_result(scene, scene.lights()[k]);
+        const Light& light = scene.lights()[k];
+        auto [full, undecided] = cast_alone(scene, light, once);
         const Undecided own = engine.undecided(k);
         for (std::size_t f = 0; f < own.size(); ++f) undecided[f] += own[f];
-        ASSERT_EQ(check_against_full(scene, scene.lights()[k], full, engine.shadows(k),
-                                     rounding_of(scene, scene.lights()[k], options.kernel), undecided, kInfinity),
-                  "");
+        ASSERT_EQ(check(scene, light, full, engine.shadows(k), undecided, options), "");
       }
       edits = script.step();
     }
   }
+}
+
+// With a smallest feature every state adds up and keeps to the relations above.
+TEST_P(DialsOf, MinFeatureInRandomHistories) {
+  const auto set = [](Options& options, std::uint64_t seed, const Scene& scene) {
+    options.min_feature.area = std::array{1e-6, 1e-3, 0.05, 1.0}[seed % 4] * mean_area(scene);
+  };
+  run_histories(GetParam(), 40000, set,
+                [](const Scene& scene, const Light& light, const Shadows& full, const Shadows& shadows, const Undecided& undecided,
+                   const Options& options) {
+                  return check_against_full(scene, light, full, shadows, rounding_of(scene, light, options.kernel), undecided, kInfinity);
+                });
 }
 
 // A mover that comes and goes does not wear its surroundings away: whenever the scene is what it was, about as much is dropped as at
@@ -480,35 +484,11 @@ TEST(Single, ItsResultIsTheFastOneButForWhatIsUndecided) {
   }
 }
 
-// Random histories in floats.
 TEST_P(DialsOf, SingleInRandomHistories) {
-  const std::uint64_t updates = environment("SHADOWCUT_SOAK").value_or(2600) / all_settings().size() + 1;
-  std::uint64_t done = 0;
-  for (std::uint64_t seed = 60000 + first_seed(); done < updates; ++seed) {
-    EditScript script(GetParam(), seed);
-    Options options = some_options(seed);
-    options.kernel = Kernel::single;
-    Engine engine(script.scene(), options);
-    Mirror mirror;
-    std::string edits = "the first update";
-    for (int step = 0; step < 30; ++step, ++done) {
-      SCOPED_TRACE(text("setting ", GetParam().name, ", seed ", seed, ", ", describe_all(options), ", step ", step, ": ", edits));
-      ASSERT_EQ(mirror.apply(engine.update(), engine), "");
-      ASSERT_EQ(engine.validate(), "");
-      if (step % 8 == 7) {
-        ASSERT_EQ(mirror.check_find(engine, options.edits ? 1 : 16), "");
-      }
-      const Scene& scene = engine.scene();
-      for (std::size_t k = 0; k < engine.light_count(); ++k) {
-        if (scene.light_id(k).index == none) continue;
-        auto [full, undecided] = full_result(scene, scene.lights()[k]);
-        const Undecided own = engine.undecided(k);
-        for (std::size_t f = 0; f < own.size(); ++f) undecided[f] += own[f];
-        ASSERT_EQ(check_same_areas(scene, full, engine.shadows(k), 1e-9, &undecided), "");
-      }
-      edits = script.step();
-    }
-  }
+  const auto set = [](Options& options, std::uint64_t, const Scene&) { options.kernel = Kernel::single; };
+  run_histories(GetParam(), 60000, set,
+                [](const Scene& scene, const Light&, const Shadows& full, const Shadows& shadows, const Undecided& undecided,
+                   const Options&) { return check_same_areas(scene, full, shadows, 1e-9, &undecided); });
 }
 
 }  // namespace

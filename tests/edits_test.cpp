@@ -66,12 +66,7 @@ std::string check_against_new(const Scene& scene, const Light& light, const Shad
   Options once;
   once.threads = 1;
   once.edits = false;
-  Scene lone = scene;
-  lone.replace_lights({&light, 1});
-  Engine anew(lone, once);
-  anew.update();
-  const Shadows& fresh = anew.shadows(0);
-  Undecided open = anew.undecided(0);
+  auto [fresh, open] = cast_alone(scene, light, once);
   for (std::size_t f = 0; f < open.size(); ++f) open[f] += undecided[f];
   std::string what = check_same_areas(scene, fresh, shadows, kAreaTolerance, &open);
   if (!what.empty()) return what;

@@ -81,12 +81,7 @@ void check_bound(const char* kind, std::uint64_t seed, const ExactScene& made, c
   options.edits = seed % 2 == 0;
   options.form = static_cast<Form>(seed % 3);
   options.facets_per_cell = seed % 5 == 0 ? 2 : 128;
-  Scene lone = scene;
-  lone.replace_lights({&made.light, 1});
-  Engine engine(lone, options);
-  engine.update();
-  const std::vector<double> undecided = engine.undecided(0);
-  const Shadows& shadows = engine.shadows(0);
+  const auto [shadows, undecided] = cast_alone(scene, made.light, options);
   Seen& seen = record()[kind][name];
   ++seen.scenes;
   for (std::uint32_t f = 0; f < scene.faces().size(); ++f) {

@@ -16,6 +16,13 @@
 namespace shadowcut {
 namespace {
 
+template <class Do>
+void for_corners(const Figure& figure, const Patch& patch, const Do& act) {
+  for (std::uint32_t k = patch.first_facet; k < patch.end_facet; ++k) {
+    for (std::uint32_t i = 0; i < figure.facets[k].corner_count; ++i) act(figure.at(figure.facets[k], i));
+  }
+}
+
 // How a patch lies; lengths are multiplied by a unit.
 struct Measure {
   Vec3 normal = Vec3::Zero();  // unit length; of no area: zero
@@ -58,11 +65,7 @@ class Grouping {
   Grouping(const Figure& figure, std::span<const Patch> patches, double tolerance, double most_turn)
       : figure_(figure), patches_(patches), most_turn_(most_turn) {
     Eigen::AlignedBox3d box;
-    for (const Patch& p : patches) {
-      for (std::uint32_t k = p.first_facet; k < p.end_facet; ++k) {
-        for (std::uint32_t i = 0; i < figure.facets[k].corner_count; ++i) box.extend(figure.at(figure.facets[k], i));
-      }
-    }
+    for (const Patch& p : patches) for_corners(figure, p, [&](const Vec3& x) { box.extend(x); });
     if (box.isEmpty()) return;
     middle_ = box.min() / 2 + box.max() / 2;
     const double largest = box.max().cwiseAbs().cwiseMax(box.min().cwiseAbs()).maxCoeff();
@@ -120,20 +123,14 @@ class Grouping {
 
   Vec3 scaled(const Vec3& x) const { return (x - middle_) * unit_; }
 
-  template <class Do>
-  void for_corners(std::uint32_t patch, const Do& act) const {
-    for (std::uint32_t k = patches_[patch].first_facet; k < patches_[patch].end_facet; ++k) {
-      for (std::uint32_t i = 0; i < figure_.facets[k].corner_count; ++i) act(scaled(figure_.at(figure_.facets[k], i)));
-    }
-  }
-
   Item item_of(std::uint32_t patch, double doubt, double reach) const {
     const Vec3& normal = measures_[patch].normal;
     Item item{patch, normal.dot(Vec3(0.48, 0.61, 0.63)) < 0 ? Vec3(-normal) : normal, Vec3::Zero(), 0, 0, doubt, reach};
     double corners = 0;
-    for_corners(patch, [&](const Vec3& x) { item.middle += x, ++corners; });
+    for_corners(figure_, patches_[patch], [&](const Vec3& x) { item.middle += scaled(x), ++corners; });
     item.middle /= corners;  // which is in the plane
-    for_corners(patch, [&](const Vec3& x) {
+    for_corners(figure_, patches_[patch], [&](const Vec3& corner) {
+      const Vec3 x = scaled(corner);
       item.radius = std::max(item.radius, (x - item.middle).norm());
       item.thickness = std::max(item.thickness, std::abs(normal.dot(x - item.middle)));
     });
@@ -266,9 +263,7 @@ class Grouping {
 // The width of a patch on which its direction rests.
 double breadth(const Figure& figure, const Patch& patch) {
   Eigen::AlignedBox3d box;
-  for (std::uint32_t k = patch.first_facet; k < patch.end_facet; ++k) {
-    for (std::uint32_t i = 0; i < figure.facets[k].corner_count; ++i) box.extend(figure.at(figure.facets[k], i));
-  }
+  for_corners(figure, patch, [&](const Vec3& x) { box.extend(x); });
   const double unit = unit_for(box.sizes().maxCoeff());
   return measure(figure, patch, unit).breadth() / unit;
 }
@@ -290,15 +285,6 @@ bool parallel(const Vec3& m, const Vec3& n) {
   return true;
 }
 
-template <class Do>
-void for_each_corner(const Figure& figure, std::span<const Patch> patches, std::span<const std::uint32_t> group, const Do& act) {
-  for (const std::uint32_t p : group) {
-    for (std::uint32_t k = patches[p].first_facet; k < patches[p].end_facet; ++k) {
-      for (std::uint32_t i = 0; i < figure.facets[k].corner_count; ++i) act(figure.at(figure.facets[k], i));
-    }
-  }
-}
-
 // The plane of a group, but for flatness and tilt: the leader's where all corners lie in it exactly; else one through the
 // leader's first corner and two of the group's far from it and from each other. A leader that is one small tile of a large wall says little
 // about the wall's far end.
@@ -306,7 +292,10 @@ Plane common_plane(const Figure& figure, std::span<const Patch> patches, std::sp
   const Vec3 origin = leader.point;
   bool in_it = true;
   Vec3 far = Vec3::Zero();
-  for_each_corner(figure, patches, group, [&](const Vec3& x) {
+  const auto for_group = [&](const auto& act) {
+    for (const std::uint32_t p : group) for_corners(figure, patches[p], act);
+  };
+  for_group([&](const Vec3& x) {
     const Vec3 d = x - origin;
     in_it = in_it && contains(leader, x);
     if (d.stableNorm() > far.stableNorm()) far = d;
@@ -315,7 +304,7 @@ Plane common_plane(const Figure& figure, std::span<const Patch> patches, std::sp
   const double unit = unit_for(far.cwiseAbs().maxCoeff());
   far *= unit;
   Vec3 normal = Vec3::Zero();
-  for_each_corner(figure, patches, group, [&](const Vec3& x) {
+  for_group([&](const Vec3& x) {
     const Vec3 n = far.cross((x - origin) * unit);
     if (n.squaredNorm() > normal.squaredNorm()) normal = n;
   });
@@ -331,9 +320,7 @@ Plane common_plane(const Figure& figure, std::span<const Patch> patches, std::sp
 
 double distance_from(const Plane& plane, const Figure& figure, const Patch& patch) {
   double most = 0;
-  const std::uint32_t only = 0;
-  for_each_corner(figure, std::span(&patch, 1), std::span(&only, 1),
-                  [&](const Vec3& x) { most = std::max(most, std::abs(plane.normal.dot(x - plane.point))); });
+  for_corners(figure, patch, [&](const Vec3& x) { most = std::max(most, std::abs(plane.normal.dot(x - plane.point))); });
   return most;
 }
 
