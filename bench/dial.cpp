@@ -36,7 +36,7 @@
 #include <optional>
 #include <shadowcut/io.hpp>
 
-#include "compare.hpp"
+#include "difference.hpp"
 #include "json_file.hpp"
 #include "samplers.hpp"
 #include "scenes.hpp"

@@ -272,12 +272,16 @@ Alone cast_alone(const Scene& scene, const Light& light, const Options& options)
 double polygon_area(std::span<const Vec3> corners) { return area_vector(corners).norm(); }
 
 std::string check_areas(const Scene& scene, const Shadows& shadows, const Oracle& oracle, const Undecided* undecided) {
+  return check_areas(scene, shadows, oracle.areas(), undecided);
+}
+
+std::string check_areas(const Scene& scene, const Shadows& shadows, const std::vector<Oracle::Area>& wanted, const Undecided* undecided) {
   Report report;
   if (shadows.areas.size() != scene.faces().size()) return "areas are not one for each face\n";
   for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
     if (!receives(scene, i)) continue;
     const FaceArea& got = shadows.areas[i];
-    const Oracle::Area want = oracle.area(i);
+    const Oracle::Area& want = wanted[i];
     if (got.facing != want.facing) {
       if (!want.unsure) report.add(name_of(scene, i), ": is ", name_of(got.facing), ", should be ", name_of(want.facing));
       continue;

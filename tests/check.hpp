@@ -26,6 +26,8 @@ Alone cast_alone(const Scene& scene, const Light& light, const Options& options)
 
 // Facing, area and lit area of every face against the oracle.
 std::string check_areas(const Scene& scene, const Shadows& shadows, const Oracle& oracle, const Undecided* undecided = nullptr);
+std::string check_areas(const Scene& scene, const Shadows& shadows, const std::vector<Oracle::Area>& wanted,
+                        const Undecided* undecided = nullptr);
 
 // Every face's lit area in two results of one scene. The scene's facing may not differ either.
 std::string check_same_areas(const Scene& scene, const Shadows& a, const Shadows& b, double tolerance = kAreaTolerance,

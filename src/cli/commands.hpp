@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "compare/compare.hpp"
+
 namespace shadowcut::cli {
 
 struct CastArguments {
@@ -33,9 +35,20 @@ struct ReplayArguments {
   bool verify = false, quiet = false;
 };
 
+struct CompareArguments {
+  std::string scene;
+  std::vector<std::string> lights;
+  std::string algorithms = "brute,ordered,tiling,unordered";
+  shadowcut::compare::Settings settings;
+  io::ReadOptions reading;
+  std::string json;  // empty: none
+  bool quiet = false;
+};
+
 // All throw Error, or another std::exception, and then have left no output behind.
 void cast(const CastArguments& arguments);
 void inspect(const InspectArguments& arguments);
+void compare_algorithms(const CompareArguments& arguments);
 // Returns an empty string, or, with `verify`, a sentence that says where an update differs from a rebuild.
 std::string replay(const ReplayArguments& arguments);
 

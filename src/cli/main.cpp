@@ -44,12 +44,21 @@ void add_reading(CLI::App& command, io::ReadOptions& reading) {
       ->type_name("TOL");
 }
 
-// What cast and replay have in common.
+// What all commands that cast have in common.
 template <typename Arguments>
-void add_casting(CLI::App& command, Arguments& a) {
+void add_lit_scene(CLI::App& command, Arguments& a) {
   command.add_option("SCENE", a.scene, "Scene file: .obj .ply .off .stl .gltf .glb .dae .fbx .ifc and others")->required();
   add_list(command, "--light", a.lights, "point:x,y,z or sun:dx,dy,dz (direction of travel); none: the scene's own lights")
       ->type_name("SPEC");
+  add_reading(command, a.reading);
+  command.add_option("--json", a.json, "Summary; - is standard output")->type_name("FILE");
+  command.add_flag("--quiet", a.quiet, "Say nothing but errors");
+}
+
+// What cast and replay have in common.
+template <typename Arguments>
+void add_casting(CLI::App& command, Arguments& a) {
+  add_lit_scene(command, a);
   add_choice<Kernel>(command, "--kernel", a.options.kernel, kernels(),
                      "Arithmetic: fast (double, with error bounds), exact, or single (float) (fast)");
   command
@@ -57,10 +66,7 @@ void add_casting(CLI::App& command, Arguments& a) {
           "--min-feature", [&a](const std::string& text) { a.options.min_feature = parse_min_feature(text); },
           "Smallest part of a face that a cut leaves: an area, or a solid angle such as 1e-6sr; 0: all are kept (0)")
       ->type_name("SIZE");
-  add_reading(command, a.reading);
   command.add_option("--threads", a.options.threads, "0: one for each processor")->check(CLI::Range(0, 4096));
-  command.add_option("--json", a.json, "Summary; - is standard output")->type_name("FILE");
-  command.add_flag("--quiet", a.quiet, "Say nothing but errors");
 }
 
 void add_cast(CLI::App& app, CastArguments& a) {
@@ -99,6 +105,17 @@ void add_replay(CLI::App& app, ReplayArguments& a) {
   command.add_option("--join-threshold", a.options.join_threshold, "Planes left behind go when a side has no more nodes than this (16)");
 }
 
+void add_compare(CLI::App& app, CompareArguments& a) {
+  CLI::App& command = *app.add_subcommand("compare", "Run the published algorithms on a scene, side by side");
+  add_lit_scene(command, a);
+  command.add_option("--algorithms", a.algorithms, "Some of brute, ordered, tiling, unordered, with commas between (all)")
+      ->type_name("LIST");
+  command.add_option("--tiles", a.settings.tiles, "tiling: tiles along a side of the cube around the light (128)")
+      ->check(CLI::Range(1, 4096));
+  command.add_option("--candidates", a.settings.candidates, "Polygons tried for each root of the scene BSP (8)")
+      ->check(CLI::PositiveNumber);
+}
+
 int fail(std::string message, int status) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   std::cerr << "shadowcut: " << message << std::endl;
@@ -112,9 +129,11 @@ int run(int argc, char** argv) {
   CastArguments cast_arguments;
   InspectArguments inspect_arguments;
   ReplayArguments replay_arguments;
+  CompareArguments compare_arguments;
   add_cast(app, cast_arguments);
   add_inspect(app, inspect_arguments);
   add_replay(app, replay_arguments);
+  add_compare(app, compare_arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
@@ -124,6 +143,7 @@ int run(int argc, char** argv) {
   }
   if (app.got_subcommand("cast")) cast(cast_arguments);
   if (app.got_subcommand("inspect")) inspect(inspect_arguments);
+  if (app.got_subcommand("compare")) compare_algorithms(compare_arguments);
   if (!app.got_subcommand("replay")) return 0;
   const std::string difference = replay(replay_arguments);
   return difference.empty() ? 0 : fail(difference, 1);

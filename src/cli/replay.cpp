@@ -6,7 +6,7 @@
 
 #include "changes.hpp"
 #include "commands.hpp"
-#include "compare.hpp"
+#include "difference.hpp"
 #include "edits.hpp"
 #include "inputs.hpp"
 #include "io/text.hpp"
@@ -114,7 +114,7 @@ class Replay {
 
   void verify() {
     for (std::size_t k = 0; k < scene_.lights().size(); ++k) {
-      const Difference d = compare(scene_, engine_.shadows(k), cast_shadows(scene_, scene_.lights()[k], arguments_.options));
+      const Difference d = greatest_difference(scene_, engine_.shadows(k), cast_shadows(scene_, scene_.lights()[k], arguments_.options));
       max_area_error_ = std::max(max_area_error_, d.share);
       if (d.share > most_error && first_difference_.empty()) first_difference_ = sentence(k, d);
     }

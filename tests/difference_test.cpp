@@ -1,5 +1,5 @@
 // What replay --verify compares by: areas of symmetric differences.
-#include "compare.hpp"
+#include "difference.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ TEST(Compare, SameRegionsInOtherFragments) {
     other.order = Order::random;
     other.form = Form::pieces;
     other.facets_per_cell = 8;
-    const Difference d = compare(scene, cast_shadows(scene, data.light), cast_shadows(scene, data.light, other));
+    const Difference d = greatest_difference(scene, cast_shadows(scene, data.light), cast_shadows(scene, data.light, other));
     EXPECT_LT(d.share, 1e-11) << data.name;
     EXPECT_NE(d.face, none);
   }
@@ -38,18 +38,18 @@ TEST(Compare, SameRegionsInOtherFragments) {
 
 TEST(Compare, SliversAreMeasured) {
   for (const double shift : {1e-3, 1e-7, 1e-10}) {
-    const Difference d = compare(shaded(3), noon(3), noon(3 + shift));
+    const Difference d = greatest_difference(shaded(3), noon(3), noon(3 + shift));
     EXPECT_EQ(d.face, 0u);
     EXPECT_NEAR(d.share, 2 * 2 * shift / 100, kSame) << shift;
   }
 }
 
 TEST(Compare, DisjointAndOppositeAreWhole) {
-  EXPECT_NEAR(compare(shaded(1), noon(1), noon(6)).share, 8.0 / 100, kSame);
+  EXPECT_NEAR(greatest_difference(shaded(1), noon(1), noon(6)).share, 8.0 / 100, kSame);
   Shadows dark = noon(3);
   for (Block& block : dark.blocks)
     for (Fragment& f : block.fragments) f.lit = false;
-  EXPECT_NEAR(compare(shaded(3), noon(3), dark).share, 0.96, kSame);
+  EXPECT_NEAR(greatest_difference(shaded(3), noon(3), dark).share, 0.96, kSame);
 }
 
 TEST(Compare, AFragmentTwiceDoesNotMakeUpForAMissingOne) {
@@ -63,15 +63,15 @@ TEST(Compare, AFragmentTwiceDoesNotMakeUpForAMissingOne) {
   const FragmentId id = lit[0]->id;
   *lit[0] = *lit[1];
   lit[0]->id = id;
-  EXPECT_NEAR(compare(shaded(3), noon(3), wrong).share, (lost + twice) / 100, kSame);
+  EXPECT_NEAR(greatest_difference(shaded(3), noon(3), wrong).share, (lost + twice) / 100, kSame);
 }
 
 TEST(Compare, StatedAreasCount) {
   Shadows wrong = noon(3);
   wrong.areas[0].lit += 0.5;
-  EXPECT_NEAR(compare(shaded(3), noon(3), wrong).share, 0.005, kSame);
+  EXPECT_NEAR(greatest_difference(shaded(3), noon(3), wrong).share, 0.005, kSame);
   wrong.areas[0].lit = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(std::isfinite(compare(shaded(3), noon(3), wrong).share));
+  EXPECT_FALSE(std::isfinite(greatest_difference(shaded(3), noon(3), wrong).share));
 }
 
 // A corner on a straight side, beside another: the line through the two has a direction of its own.
@@ -88,7 +88,7 @@ TEST(Compare, CornersAHairApart) {
       f.corner_count += 2;
       block.corners.insert(block.corners.end(), corners.begin(), corners.end());
     }
-    EXPECT_LT(compare(shaded(3), right, odd).share, kSame) << apart;
+    EXPECT_LT(greatest_difference(shaded(3), right, odd).share, kSame) << apart;
   }
 }
 

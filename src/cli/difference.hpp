@@ -16,6 +16,6 @@ struct Difference {
 std::vector<double> lit_differences(const Scene& scene, const Shadows& one, const Shadows& other);
 
 // For each face the greater of two: the difference of the lit areas, as both state them, and the above.
-Difference compare(const Scene& scene, const Shadows& one, const Shadows& other);
+Difference greatest_difference(const Scene& scene, const Shadows& one, const Shadows& other);
 
 }  // namespace shadowcut::cli

@@ -1,0 +1,101 @@
+// See lighting.hpp.
+#include "lighting.hpp"
+
+#include <algorithm>
+
+#include "reach.hpp"
+
+namespace shadowcut::compare {
+namespace {
+
+Eigen::AlignedBox3d box_of(const Scene& scene) {
+  Eigen::AlignedBox3d box;
+  for (const Facet& facet : scene.facets())
+    for (const Corner& corner : scene.corners_of(facet)) box.extend(scene.vertices()[corner.vertex]);
+  return box;
+}
+
+}  // namespace
+
+double tolerance_of(const Scene& scene) {
+  const Eigen::AlignedBox3d box = box_of(scene);
+  return box.isEmpty() ? 0 : tolerance_share * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+}
+
+Lighting::Lighting(const Scene& scene, const Light& light)
+    : scene_(scene),
+      light_(light),
+      tolerance_(tolerance_of(scene)),
+      roles_(scene.facets().size()),
+      facing_(scene.faces().size(), Facing::refused) {
+  check(light, "light");
+  const LightSpace space(light, box_of(scene));
+  std::vector<std::uint8_t> light_inside;
+  for (const Object& object : scene.objects()) {
+    const bool solid = light.kind == Light::Kind::point && object.sides == Sides::closed;
+    light_inside.push_back(solid && in_or_on_solid(scene, object, light.at));
+  }
+  for (std::uint32_t f = 0; f < scene.faces().size(); ++f) {
+    const Face& face = scene.faces()[f];
+    if (face.facet_count == 0) continue;
+    const bool reached = within_reach(scene, face, light);
+    const bool looks = scene.objects()[face.object].receives;
+    facing_[f] = !looks ? Facing::ignored : reached ? Facing::away : Facing::out_of_reach;
+    if (!reached) continue;
+    for (std::uint32_t i = face.first_facet; i < face.first_facet + face.facet_count; ++i) {
+      roles_[i] = role_of(i, light_inside[face.object] != 0, space);
+      if (roles_[i].receives) facing_[f] = Facing::toward;
+    }
+  }
+}
+
+Lighting::Role Lighting::role_of(std::uint32_t i, bool light_inside, const LightSpace& space) const {
+  const Facet& facet = scene_.facets()[i];
+  const Object& object = scene_.objects()[scene_.faces()[facet.face].object];
+  const Turned turned = space.turned(scene_.planes()[facet.plane]);
+  if (turned == Turned::edge_on) return {};
+  const bool lightless = turned == Turned::away && object.sides == Sides::closed;
+  return {object.receives && !lightless, object.casts && (!lightless || light_inside)};
+}
+
+Vec3 Lighting::travel(const Vec3& x) const {
+  return light_.kind == Light::Kind::point ? Vec3(x - light_.at) : light_.at.stableNormalized().eval();
+}
+
+double Lighting::in_front_of(const HalfSpace& plane) const { return -plane.normal.dot(travel(plane.point)); }
+
+// The plane through the light and the line in which the polygon's plane F meets another one, P: a combination of both that vanishes at the
+// light, f(light) p(x) - p(light) f(x), with f and p the distances from the planes.
+Vec3 Lighting::normal_of_edge(const Polygon& polygon, std::size_t i) const {
+  const Facet& facet = scene_.facets()[polygon.facet];
+  const Carrier carrier = polygon.corners[i].edge;
+  if (carrier.kind == Carrier::Kind::edge) {
+    const auto corners = scene_.corners_of(facet);
+    const Vec3 &a = scene_.vertices()[corners[carrier.index].vertex],
+               &b = scene_.vertices()[corners[(carrier.index + 1) % corners.size()].vertex];
+    return (b - a).cross(travel(a));
+  }
+  const Plane &own = scene_.planes()[facet.plane], &other = scene_.planes()[carrier.index];
+  const double f = own.normal.dot(travel(own.point)), p = other.normal.dot(travel(other.point));
+  return f * other.normal - p * own.normal;
+}
+
+void Lighting::shadow_planes(const Polygon& polygon, boost::container::small_vector<HalfSpace, 8>& planes) const {
+  planes.clear();
+  for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
+    if (polygon.corners[i].edge.kind == Carrier::Kind::shadow_plane) continue;
+    HalfSpace plane{normal_of_edge(polygon, i), polygon.corners[i].at};
+    const double length = plane.normal.norm();
+    if (length == 0) continue;
+    plane.normal /= length;
+    double farthest = 0;
+    for (const PolygonCorner& corner : polygon.corners) {
+      const double distance = plane.above(corner.at);
+      if (std::abs(distance) > std::abs(farthest)) farthest = distance;
+    }
+    if (farthest < 0) plane.normal = -plane.normal;
+    planes.push_back(plane);
+  }
+}
+
+}  // namespace shadowcut::compare
