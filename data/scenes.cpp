@@ -206,7 +206,7 @@ Mesh chair() {
 // Counts what it has placed, to give everything a name.
 struct Furnisher {
   SceneData& data;
-  std::size_t desks = 0, computers = 0, bookcases = 0, chairs = 0;
+  std::size_t desks = 0, computers = 0, bookcases = 0, books = 0, chairs = 0;
 
   void add_desk(const Pose& pose, int how_many_computers) {
     add(data, desk(), numbered("desk", ++desks), pose);
@@ -217,12 +217,21 @@ struct Furnisher {
     }
   }
 
-  // With two books that touch each other and the case.
+  void add_empty_bookcase(const Pose& pose) { add(data, bookcase(), numbered("bookcase", ++bookcases), pose); }
+
+  // Three at most, that touch each other and the case.
+  void add_books(const Pose& pose, int how_many) {
+    double x = kBoard + 0.07 * static_cast<double>(bookcases);
+    for (const Vec3& b : {Vec3(0.05, 0.2, 0.28), Vec3(0.035, 0.17, 0.24), Vec3(0.04, 0.18, 0.26)}) {
+      if (how_many-- <= 0) return;
+      add(data, book(x, b.x(), b.y(), b.z()), numbered("book", ++books), pose);
+      x += b.x();
+    }
+  }
+
   void add_bookcase(const Pose& pose) {
-    add(data, bookcase(), numbered("bookcase", ++bookcases), pose);
-    const double shift = 0.07 * static_cast<double>(bookcases);
-    add(data, book(kBoard + shift, 0.05, 0.2, 0.28), numbered("book", 2 * bookcases - 1), pose);
-    add(data, book(kBoard + shift + 0.05, 0.035, 0.17, 0.24), numbered("book", 2 * bookcases), pose);
+    add_empty_bookcase(pose);
+    add_books(pose, 2);
   }
 
   void add_chair(const Pose& pose) { add(data, chair(), numbered("chair", ++chairs), pose); }
@@ -243,7 +252,9 @@ Mesh shell(double w, double d, double h) {
   return mesh;
 }
 
-void add_poster(SceneData& data, double y) { add(data, rectangle({0, y, 1.2}, {0, 0.9, 0}, {0, 0, 0.65}), "poster"); }
+void add_poster(SceneData& data, const std::string& name, double y, double wide = 0.9) {
+  add(data, rectangle({0, y, 1.2}, {0, wide, 0}, {0, 0, 0.65}), name);
+}
 
 }  // namespace
 
@@ -255,7 +266,7 @@ SceneData room(int level) {
   data.light = Light::point(big ? Vec3(5.3613, 3.7171, 2.43) : Vec3(2.61, 2.23, 2.41));
   data.light.name = "lamp";
   add(data, shell(walls.w, walls.d, 2.7), "room");
-  add_poster(data, 2.1);
+  add_poster(data, "poster", 2.1);
   Furnisher f{data};
   f.add_desk(walls.south(0.5), 2);
   f.add_bookcase(walls.east(1.0));
@@ -273,6 +284,36 @@ SceneData room(int level) {
     f.add_bookcase(walls.east(4.5));
   }
   return data;
+}
+
+SceneData slater_room(int number) {
+  // Desks and bookcases beyond the first, in the order of his table; the last but two has some books besides.
+  struct Furniture {
+    int desks, bookcases, polygons;
+  };
+  constexpr Furniture rooms[] = {{0, 0, 138}, {0, 1, 174}, {1, 0, 192}, {0, 2, 210}, {1, 1, 228},
+                                 {1, 2, 264}, {2, 0, 246}, {2, 0, 264}, {2, 1, 282}, {2, 2, 318}};
+  const Furniture& furniture = rooms[number - 1];
+  SceneData data;
+  data.name = "slater" + std::to_string(number);
+  const Walls walls{6.0, 5.0};
+  data.light = Light::point({3.1, 2.4, 2.55});
+  data.light.name = "lamp";
+  add(data, shell(walls.w, walls.d, 2.7), "room");
+  for (std::size_t k = 0; k < 6; ++k) add_poster(data, numbered("poster", k + 1), 0.15 + 0.8 * static_cast<double>(k), 0.7);
+  Furnisher f{data};
+  f.add_chair(placed(-0.96, 0.28, 1.6, 1.5));
+  constexpr double desks[] = {0.5, 0.5 + kDeskWidth, 0.5 + 2 * kDeskWidth};
+  for (int k = 0; k <= furniture.desks; ++k) f.add_desk(walls.south(desks[k]), 1);
+  for (int k = 0; k <= furniture.bookcases; ++k) f.add_empty_bookcase(walls.east(1.0 + k * kCaseWidth));
+  if (number == 8) f.add_books(walls.east(1.0), 3);
+  return data;
+}
+
+Light light_at_the_door() {
+  Light light = Light::point({0.93, 7.3, 1.62});
+  light.name = "outside";
+  return light;
 }
 
 SceneData furnished_room() {
@@ -294,7 +335,7 @@ SceneData furnished_room() {
     }
   }
   add(data, std::move(shell_mesh), "room");
-  add_poster(data, 1.7);
+  add_poster(data, "poster", 1.7);
   Furnisher f{data};
   f.add_desk(walls.south(0.6), 2);
   f.add_desk(walls.south(0.6 + kDeskWidth), 1);
@@ -480,12 +521,14 @@ SceneData named(const std::string& name) {
   if (name == "furnished_room") return furnished_room();
   if (kind == "spheres" && n.size() == 3) return spheres(n[0], n[1], n[2]);
   if (kind == "spheres" && n.size() == 1) return spheres(n[0], 64, 33);
+  if (kind == "slater" && n.size() == 1 && n[0] >= 1 && n[0] <= 10) return slater_room(static_cast<int>(n[0]));
   if (kind == "room" && n.size() == 1 && n[0] <= 4) return room(static_cast<int>(n[0]));
   if (kind == "tetrahedron" && n.size() == 1 && n[0] <= 10) return tetrahedron(static_cast<int>(n[0]));
   if (kind == "city" && n.size() == 1) return city(n[0]);
   if (kind == "triangles" && n.size() == 1) return triangles(n[0]);
   if (kind == "branch" && n.size() == 1 && n[0] <= 10) return branch(static_cast<int>(n[0]));
-  throw Error("there is no scene '" + name + "' (room:4, furnished_room, tetrahedron:3, city:100, spheres:25, triangles:1000, branch:3)");
+  throw Error("there is no scene '" + name +
+              "' (room:4, slater:10, furnished_room, tetrahedron:3, city:100, spheres:25, triangles:1000, branch:3)");
 }
 
 }  // namespace shadowcut::scenes

@@ -53,6 +53,11 @@ void append(Mesh& mesh, const Mesh& other);                                     
 // A room of the paper: level 1 to 4 gives 133, 211, 313, 745 polygons. One wall has a doorway, a concave outline. The light hangs in the
 // room.
 SceneData room(int level);
+// Slater 1992, table 1: ten rooms with 138 to 318 polygons, from one bookcase and one desk with a computer to three of each. The numbers
+// are his; what the polygons are is known only roughly (a room, a desk, a computer, a bookcase: 36 and 54 for each further one).
+SceneData slater_room(int number);
+// His second light: outside, shining through the doorway.
+Light light_at_the_door();
 // A room with chairs, a window (a wall with a hole) and 344 faces toward the light.
 SceneData furnished_room();
 // A tetrahedron replaced by four of half its size at its corners, `depth` times, over a ground face: 4^depth*4 + 1 polygons.
@@ -66,8 +71,8 @@ SceneData triangles(std::uint32_t n);
 // A twig: hexagonal prisms that grow out of one another (their faces cross), with folded two-sided leaves.
 SceneData branch(int levels);
 
-// One of the above by its name: room:4, furnished_room, tetrahedron:3, city:100, spheres:25 (or spheres:5,12,8), triangles:1000, branch:3.
-// Throws Error when there is none.
+// One of the above by its name: room:4, slater:10, furnished_room, tetrahedron:3, city:100, spheres:25 (or spheres:5,12,8), triangles:1000,
+// branch:3. Throws Error when there is none.
 SceneData named(const std::string& name);
 
 }  // namespace shadowcut::scenes

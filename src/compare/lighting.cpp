@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "light_space.hpp"
 #include "reach.hpp"
 
 namespace shadowcut::compare {

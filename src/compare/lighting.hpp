@@ -5,8 +5,11 @@
 
 #include <shadowcut/shadows.hpp>
 
-#include "light_space.hpp"
 #include "polygon.hpp"
+
+namespace shadowcut {
+class LightSpace;
+}
 
 namespace shadowcut::compare {
 
