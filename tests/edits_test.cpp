@@ -684,6 +684,9 @@ TEST(Changes, WhatCameAndWentInBetween) {
   EXPECT_EQ(check_lights(engine, 1, true), "");
 }
 
+// In this history a corner that is cut goes from 0 to -0, in the conforming form: equal, and other bits.
+TEST(Changes, MinusZeroIsAnotherNumber) { EXPECT_TRUE(run_history(setting_named("grid_soup"), 310000000351, 130)); }
+
 // Several engines follow one scene, each at its own pace.
 TEST(Changes, EnginesAtTheirOwnPace) {
   for (std::uint64_t seed = 1; seed < 6; ++seed) {

@@ -628,11 +628,14 @@ void LightTree::list_differences(LightChanges& changes) const {
     std::sort(all.begin(), all.end(), [](const At& a, const At& b) { return a.fragment->id < b.fragment->id; });
     return all;
   };
-  const auto same = [](const At& a, const At& b) {
+  const auto same_bits = [](const Vec3& x, const Vec3& y) {  // 0 and -0 are different: a mirror of the fragments holds either
+    return std::equal(x.begin(), x.end(), y.begin(), [](double c, double d) { return c == d && std::signbit(c) == std::signbit(d); });
+  };
+  const auto same = [&](const At& a, const At& b) {
     const Fragment &f = *a.fragment, &g = *b.fragment;
     const auto x = a.block->corners_of(f), y = b.block->corners_of(g);
     return f.face == g.face && f.facet == g.facet && f.caster == g.caster && f.lit == g.lit && f.area == g.area &&
-           std::equal(x.begin(), x.end(), y.begin(), y.end());
+           std::equal(x.begin(), x.end(), y.begin(), y.end(), same_bits);
   };
   const std::vector<At> before = sorted(before_), now = sorted(shadows_.blocks);
   const auto lost = [&](const At& a) { changes.gone.push_back(a.fragment->id); };
