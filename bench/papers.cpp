@@ -1,4 +1,5 @@
-// The papers' tables, made again: Slater 1992, tables 1 to 3, Chrysanthou & Slater 1995, table 1, and how the same algorithms grow.
+// The papers' tables, made again: Slater 1992, tables 1 to 3, Chrysanthou & Slater 1995, table 1 (table 2, moves, is bench/edits.cpp's),
+// and how the same algorithms grow, beside what one would use otherwise: clipping face by face, Embree's rays, CGAL.
 //
 //   shadowcut_bench_papers --json bench/baseline/papers.json [--only slater|cs95|growth]... [--seconds S]
 //
@@ -15,10 +16,13 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "clipping.hpp"
 #include "compare.hpp"
 #include "json_file.hpp"
+#include "oracle.hpp"
+#include "samplers.hpp"
 #include "scenes.hpp"
 
 namespace {
@@ -97,6 +101,23 @@ ordered_json slater_row(const scenes::SceneData& data, std::span<const Light> li
   return row;
 }
 
+// Slater 1992, section 6: "the figures in the next section are all based on an array size 128 x 128. This turned out to be the optimal
+// resolution amongst the range considered".
+ordered_json resolutions() {
+  ordered_json rows = ordered_json::array();
+  for (const scenes::SceneData& data : {scenes::slater_room(10), scenes::tetrahedron(3), scenes::tetrahedron(4)}) {
+    const Scene scene = scenes::build(data);
+    for (const std::uint32_t tiles : {4u, 8u, 16u, 32u, 64u, 128u, 256u}) {
+      Settings settings = as_published();
+      settings.tiles = tiles;
+      ordered_json row = run(scene, {&data.light, 1}, Algorithm::tiling, settings);
+      row["scene"] = data.name, row["tiles"] = tiles;
+      rows.push_back(std::move(row));
+    }
+  }
+  return rows;
+}
+
 ordered_json slater() {
   ordered_json rows = ordered_json::array();
   for (std::size_t count = 1; count <= 2; ++count) {
@@ -164,11 +185,38 @@ ordered_json timed(Algorithm algorithm, const Scene& scene, const Light& light) 
   return row_of(best_of(scene, {&light, 1}, algorithm, {}));
 }
 
-ordered_json clipped(const Scene& scene, const Light& light) {
+// The lit area of the scene by something else, and how long that took.
+template <class LitArea>
+ordered_json timed(const LitArea& lit_area) {
   const auto start = std::chrono::steady_clock::now();
-  const bench::Clipped result = bench::clip_every_face(scene, light);
+  const double area = lit_area();
   const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  return {{"order_ms", 0}, {"shadow_ms", ms}, {"lit_area", result.lit_area}};
+  return {{"order_ms", 0}, {"shadow_ms", ms}, {"lit_area", area}};
+}
+
+ordered_json clipped(const Scene& scene, const Light& light) {
+  return timed([&] { return bench::clip_every_face(scene, light).lit_area; });
+}
+
+// 256 rays a face; which faces those are is not counted.
+ordered_json with_rays(const Scene& scene, const Light& light) {
+  const bench::Receivers receivers(scene, light, cast_shadows(scene, light).areas);
+  static const bench::RayDevice device;
+  return timed([&] {
+    const bench::Rays rays(device, scene, light);
+    const auto is_lit = [&](const Vec3& x, const Vec3& normal) { return rays.is_lit(x, normal); };
+    const std::vector<double> areas = bench::areas_where(receivers, receivers.strata(256, false), is_lit);
+    return std::accumulate(areas.begin(), areas.end(), 0.0);
+  });
+}
+
+// Every face against every other, with CGAL's exact numbers: the tests' oracle.
+ordered_json exactly(const Scene& scene, const Light& light) {
+  return timed([&] {
+    double sum = 0;
+    for (const testing::Oracle::Area& area : testing::Oracle(scene, light).areas()) sum += area.lit;
+    return sum;
+  });
 }
 
 constexpr Contestant contestants[] = {
@@ -177,6 +225,8 @@ constexpr Contestant contestants[] = {
     {"ordered", [](const Scene& s, const Light& l) { return timed(Algorithm::ordered, s, l); }},
     {"unordered", [](const Scene& s, const Light& l) { return timed(Algorithm::unordered, s, l); }},
     {"clipper", clipped},
+    {"rays", with_rays},
+    {"cgal", exactly},
 };
 
 ordered_json growth(double seconds) {
@@ -204,7 +254,7 @@ ordered_json growth(double seconds) {
 void run(const Arguments& a) {
   const auto wanted = [&](const char* group) { return a.only.empty() || std::find(a.only.begin(), a.only.end(), group) != a.only.end(); };
   ordered_json document;
-  if (wanted("slater")) document["slater1992"] = slater();
+  if (wanted("slater")) document["slater1992"] = slater(), document["resolutions"] = resolutions();
   if (wanted("cs95")) document["cs95"] = cs95();
   if (wanted("growth")) document["growth"] = growth(a.seconds);
   bench::write_json(a.json, document);
