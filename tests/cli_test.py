@@ -23,6 +23,8 @@ LIGHT_KEYS = {"light", "faces", "facing_faces", "facing_area", "lit_area", "shad
               "tree_nodes", "tree_depth", "build_ms", "emit_ms", "predicates", "by_identity", "by_filter", "by_exact"}
 REPLAY_KEYS = {"updates", "rebuild_ms", "max_area_error", "aligned"}
 UPDATE_KEYS = {"update", "edits", "update_ms", "fragments_gone", "fragments_new", "lit_area", "tree_nodes", "marked_nodes"}
+COMPARE_KEYS = {"algorithm", "faces_in", "faces_after_bsp", "lit_area", "lit_fragments", "shadowed_fragments", "order_ms", "shadow_ms",
+                "memory_bytes"}
 AREA_COLUMNS = ["light", "object", "face", "facing", "area", "lit_area", "shadowed_area"]
 
 
@@ -701,6 +703,73 @@ class Replay(Cli):
         self.refused("replay", self.scene, script, "--light", self.LIGHT, "--changes", both, "--json", both, says=["both"])
         os.mkdir(self.path("folder"))
         self.refused("replay", self.scene, script, "--light", self.LIGHT, "--quiet", "--json", self.path("folder"), "--changes", self.path("c.jsonl"))
+
+
+class Compare(Cli):
+    ALGORITHMS = ["brute", "ordered", "tiling", "unordered"]
+
+    def rows(self, name, *arguments):
+        result = run("compare", os.path.join(DATA, name), *arguments, "--json", "-")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout)
+
+    def test_json_has_the_agreed_keys(self):
+        rows = self.rows("room1.obj", "--light", ROOM_LIGHT)
+        self.assertEqual([row["algorithm"] for row in rows], self.ALGORITHMS)
+        for row in rows:
+            self.assertLessEqual(COMPARE_KEYS, set(row))
+            self.assertEqual(row["faces_in"], 133)
+            self.assertGreaterEqual(row["faces_after_bsp"], 133)
+            for key in ("faces_in", "faces_after_bsp", "lit_fragments", "shadowed_fragments", "memory_bytes"):
+                self.assertIsInstance(row[key], int)
+            for key in ("order_ms", "shadow_ms"):
+                self.assertGreaterEqual(row[key], 0)
+
+    def test_all_agree_with_cast(self):
+        for name, light in (("room2.obj", ROOM_LIGHT), ("tetrahedron3.obj", "sun:0.3,0.4,-1"), ("city8.obj", "sun:1,2,-1"),
+                            ("triangles200.obj", "point:0.5,0.4,3")):
+            cast = self.cast_json(os.path.join(DATA, name), "--light", light)["lights"][0]
+            for row in self.rows(name, "--light", light):
+                self.assertAlmostEqual(row["lit_area"], cast["lit_area"], delta=1e-9 * cast["facing_area"], msg=(name, row["algorithm"]))
+
+    def test_tetrahedra_have_the_papers_polygons(self):
+        for depth, faces in ((2, 65), (3, 257), (4, 1025)):
+            row, = self.rows(f"tetrahedron{depth}.obj", "--light", "point:2.71,-0.43,3.37", "--algorithms", "brute")
+            self.assertEqual(row["faces_in"], faces)
+
+    def test_algorithms_are_chosen_and_keep_their_order(self):
+        rows = self.rows("room1.obj", "--light", ROOM_LIGHT, "--algorithms", "tiling,brute")
+        self.assertEqual([row["algorithm"] for row in rows], ["tiling", "brute"])
+
+    def test_a_row_for_each_light(self):
+        lights = (ROOM_LIGHT, "point:1,1,2", "sun:0,1,-1")
+        rows = self.rows("room1.obj", *(word for light in lights for word in ("--light", light)))
+        self.assertEqual([(row["algorithm"], row["light"]) for row in rows], [(a, light) for a in self.ALGORITHMS for light in lights])
+        for k in range(len(lights)):
+            areas = [row["lit_area"] for row in rows[k::len(lights)]]
+            self.assertLess(max(areas) - min(areas), 1e-9 * max(areas))
+
+    def test_resolution_of_the_tiling_changes_no_area(self):
+        areas = [self.rows("city8.obj", "--light", "point:4,4,9", "--algorithms", "tiling", "--tiles", n)[0]["lit_area"] for n in ("1", "5", "300")]
+        self.assertLess(max(areas) - min(areas), 1e-9 * max(areas))
+
+    def test_people_get_a_table(self):
+        result = run("compare", os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT)
+        self.assertEqual(result.returncode, 0)
+        self.assertEqual(len(result.stdout.splitlines()), 5)
+        quiet = run("compare", os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT, "--quiet")
+        self.assertEqual(quiet.stdout + quiet.stderr, "")
+
+    def test_refusals(self):
+        room = os.path.join(DATA, "room1.obj")
+        for algorithms in ("", "fast", "brute,", "brute,,tiling", "brute,brute", "Brute"):
+            self.refused("compare", room, "--light", ROOM_LIGHT, "--algorithms", algorithms, says=["--algorithms"])
+        for more in (("--tiles", "0"), ("--tiles", "many"), ("--candidates", "0"), ("--kernel", "fast")):
+            self.refused("compare", room, "--light", ROOM_LIGHT, *more)
+        self.refused("compare", room, "--light", "lamp")
+        self.refused("compare", room, says=["light"])
+        self.refused("compare", self.path("none.obj"), "--light", ROOM_LIGHT, says=["none.obj"])
+        self.refused("compare", room, "--light", ROOM_LIGHT, "--json", os.path.join(self.folder, "no", "out"), says=["out"])
 
 
 class RealModels(Cli):
