@@ -2,10 +2,6 @@
 // stays: it is filtered down, and where it comes out in front of everything it is lit. Parts that come back in the same state are reunited
 // (Slater 1992, figure 6).
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <optional>
 
@@ -238,8 +234,8 @@ LightSets combine(const std::vector<const LightShadows*>& all) {
     constexpr std::size_t chunk = 1024;
     const std::size_t count = partition.sets.fragments.size();
     std::vector<Partition> parts((count + chunk - 1) / chunk);
-    tbb::enumerable_thread_specific<Workspace> workspaces;
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t c) {
+    PerThread<Workspace> workspaces;
+    parallel_for(parts.size(), 1, [&](std::size_t c) {
       Workspace& w = workspaces.local();
       Query query(*lights[number], w);
       std::vector<Answer> answers;

@@ -3,9 +3,9 @@
 
 #include "conform.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
+
+#include "parallel.hpp"
 
 namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
@@ -88,7 +88,7 @@ void between(const std::vector<End>& ends, Key line, const Vec3& a, const Vec3& 
 // Two lines meet in one corner whoever cuts, and so do the edges of one vertex. But where an edge pierces a face, or edges of different
 // objects line up, more lines pass through one point, and each pair of them gives it with its own last bits.
 void weld(const Scene& scene, std::span<const std::span<const FragmentRef>> faces, std::vector<CellOutput>& outputs) {
-  tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t face) {
+  parallel_for(faces.size(), 1, [&](std::size_t face) {
     std::vector<Vec3*> all;
     for (const FragmentRef& ref : faces[face]) {
       Block& block = outputs[ref.output].block;
@@ -147,7 +147,7 @@ void make_conforming(const Scene& scene, std::vector<CellOutput>& outputs) {
   // By output and fragment: what to add. A fragment belongs to one face, so threads never meet.
   std::vector<std::vector<std::vector<Insertion>>> insertions(outputs.size());
   for (std::size_t o = 0; o < outputs.size(); ++o) insertions[o].resize(outputs[o].block.fragments.size());
-  tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t i) {
+  parallel_for(faces.size(), 1, [&](std::size_t i) {
     const std::vector<End> ends = ends_of(scene, faces[i], outputs);
     std::vector<Vec3> found;
     for (const FragmentRef& ref : faces[i]) {
@@ -161,7 +161,7 @@ void make_conforming(const Scene& scene, std::vector<CellOutput>& outputs) {
     }
   });
 
-  tbb::parallel_for(std::size_t{0}, outputs.size(), [&](std::size_t o) {
+  parallel_for(outputs.size(), 1, [&](std::size_t o) {
     Block& block = outputs[o].block;
     std::vector<Vec3> corners;
     corners.reserve(block.corners.size());

@@ -1,22 +1,14 @@
 // The engine follows a scene: it keeps a copy of the scene as its trees know it, and brings the copy and the trees up to date object by
 // object.
 
-#include <tbb/info.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <shadowcut/shadows.hpp>
 
 #include "light_shadows.hpp"
+#include "parallel.hpp"
 
 namespace shadowcut {
 namespace {
-
-// No more than TBB has workers for: asked for more it gives none, and says so on stderr.
-int threads_of(const Options& options) {
-  const int most = tbb::info::default_concurrency();
-  return options.threads == 0 || options.threads > static_cast<unsigned>(most) ? most : static_cast<int>(options.threads);
-}
 
 std::unique_ptr<LightShadows> make(const Scene& scene, const Light& light, const Options& options) {
   return (options.kernel == Kernel::single ? single_numbers::make_light_shadows : double_numbers::make_light_shadows)(scene, light,
@@ -37,8 +29,9 @@ Shadows cast_shadows(const Scene& scene, const Light& light, const Options& opti
   check(options, light);
   Options once = options;
   once.edits = false;
-  tbb::task_arena arena(threads_of(options));
-  return arena.execute([&] { return make(scene, light, once)->take_shadows(); });
+  Shadows out;
+  Threads(options.threads).run([&] { out = make(scene, light, once)->take_shadows(); });
+  return out;
 }
 
 struct Engine::Impl {
@@ -47,7 +40,7 @@ struct Engine::Impl {
     std::uint64_t revision = 0;
   };
 
-  Impl(const Scene& followed, Options o) : wanted(followed), options(std::move(o)), arena(threads_of(options)) {
+  Impl(const Scene& followed, Options o) : wanted(followed), options(std::move(o)), threads(options.threads) {
     if (!options.progress) return;
     options.progress = [this, report = options.progress](double share) { report((lights_done + share) / lights_to_do); };
   }
@@ -55,7 +48,7 @@ struct Engine::Impl {
   const Scene& wanted;
   Scene applied;
   Options options;
-  tbb::task_arena arena;
+  Threads threads;
   std::vector<Tracked> lights;  // by index into Scene::lights()
   std::uint64_t seen = 0;       // every object's changes up to here have been applied
   bool built = false, broken = false;
@@ -82,7 +75,7 @@ struct Engine::Impl {
   template <class Step>
   void guarded(const Step& step) {
     try {
-      arena.execute(step);
+      threads.run(step);
     } catch (...) {
       broken = true;
       throw;
@@ -296,7 +289,9 @@ const Fragment* Engine::find(std::size_t light, FragmentId id) const { return im
 
 std::vector<double> Engine::undecided(std::size_t light) const {
   const LightShadows& tree = *impl_->tracked(light).tree;
-  return impl_->arena.execute([&] { return tree.undecided(); });
+  std::vector<double> out;
+  impl_->threads.run([&] { out = tree.undecided(); });
+  return out;
 }
 
 LightSets Engine::combined() const {
@@ -304,7 +299,9 @@ LightSets Engine::combined() const {
   std::vector<const LightShadows*> trees;
   for (const Impl::Tracked& t : impl_->lights) trees.push_back(t.tree.get());
   const auto combine = impl_->options.kernel == Kernel::single ? single_numbers::combine : double_numbers::combine;
-  return impl_->arena.execute([&] { return combine(trees); });
+  LightSets out;
+  impl_->threads.run([&] { out = combine(trees); });
+  return out;
 }
 
 std::string Engine::validate() const {

@@ -1,8 +1,5 @@
 #include "light_tree.hpp"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -45,13 +42,6 @@ class Progress {
   std::size_t done_ = 0;
   std::mutex mutex_;
 };
-
-template <class Body>
-void parallel(std::size_t count, std::size_t grain, const Body& body) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const tbb::blocked_range<std::size_t>& r) {
-    for (std::size_t i = r.begin(); i != r.end(); ++i) body(i);
-  });
-}
 
 }  // namespace
 
@@ -176,9 +166,9 @@ void LightTree::face_the_light() {
   tables_.blocks_only.assign(facets.size(), 0);
   tables_.grazed.assign(facets.size(), 0);
   std::vector<std::uint8_t> light_inside(scene_.objects().size(), 0), is_reached(scene_.faces().size(), 0);
-  parallel(light_inside.size(), 16, [&](std::size_t o) { light_inside[o] = holds_light(scene_.objects()[o]); });
-  parallel(is_reached.size(), 256, [&](std::size_t f) { is_reached[f] = reached(static_cast<std::uint32_t>(f)); });
-  parallel(facets.size(), 1024, [&](std::size_t i) {
+  parallel_for(light_inside.size(), 16, [&](std::size_t o) { light_inside[o] = holds_light(scene_.objects()[o]); });
+  parallel_for(is_reached.size(), 256, [&](std::size_t f) { is_reached[f] = reached(static_cast<std::uint32_t>(f)); });
+  parallel_for(facets.size(), 1024, [&](std::size_t i) {
     if (facets[i].corner_count == 0) return;  // nobody's
     const auto id = static_cast<std::uint32_t>(i);
     face_facet(id, is_reached[facets[i].face], light_inside[tables_.object_of(id)]);
@@ -208,7 +198,7 @@ void LightTree::fill_tables() {
   tables_.planes.resize(plane_used.size());
   tables_.line_shift.assign(scene_.objects().size(), 0);
   const auto for_used = [](const std::vector<std::uint8_t>& used, const auto& make) {
-    parallel(used.size(), 4096, [&](std::size_t i) {
+    parallel_for(used.size(), 4096, [&](std::size_t i) {
       if (used[i]) make(static_cast<std::uint32_t>(i));
     });
   };
@@ -287,7 +277,7 @@ std::vector<std::uint32_t> LightTree::by_object(std::span<const std::uint32_t> o
 std::vector<std::uint32_t> LightTree::insertion_order(std::vector<Vec3>& centers) const {
   const auto facets = scene_.facets();
   std::vector<double> sizes(facets.size(), 0.0);
-  parallel(facets.size(), 1024, [&](std::size_t i) {
+  parallel_for(facets.size(), 1024, [&](std::size_t i) {
     if (enters_[i] && options_.order == Order::solid_angle) sizes[i] = solid_angle(static_cast<std::uint32_t>(i));
   });
   std::vector<std::uint32_t> objects(scene_.objects().size());
@@ -303,7 +293,7 @@ std::vector<std::uint32_t> LightTree::insertion_order(std::vector<Vec3>& centers
     std::transform(shuffled.begin(), shuffled.end(), order.begin(), [](const Key& k) { return k.id; });
   }
   centers.resize(options_.facets_per_cell ? order.size() : 0);
-  parallel(centers.size(), 1024, [&](std::size_t i) {
+  parallel_for(centers.size(), 1024, [&](std::size_t i) {
     Vec3 sum = Vec3::Zero();
     for (const Corner& c : scene_.corners_of(facets[order[i]])) {
       const auto& r = tables_.rays[c.vertex].r;
@@ -368,7 +358,7 @@ void LightTree::build(const std::vector<std::uint32_t>& order) {
   std::vector<Parts> chunks((order.size() + chunk_size - 1) / chunk_size);
 
   if (cell_count > 1) {
-    parallel(chunks.size(), 1, [&](std::size_t c) {
+    parallel_for(chunks.size(), 1, [&](std::size_t c) {
       Workspace& w = workspaces_.local();
       for (std::size_t i = c * chunk_size; i < std::min(order.size(), (c + 1) * chunk_size); ++i) filter_into_cells(order[i], chunks[c], w);
     });
@@ -390,7 +380,7 @@ void LightTree::build(const std::vector<std::uint32_t>& order) {
     }
   }
   Progress progress(options_.progress, 0, 0.8, std::max(order.size(), refs.size()));
-  parallel(cell_count, 1, [&](std::size_t cell) {
+  parallel_for(cell_count, 1, [&](std::size_t cell) {
     Workspace& w = workspaces_.local();
     CellTree& tree = cells_[cell];
     if (cell_count == 1) {
@@ -440,7 +430,7 @@ void LightTree::emit() {
   const EmitTarget to = target();
   std::vector<CellOutput> outputs(cells_.size() + 1);
   Progress progress(options_.progress, 0.8, 1, cells_.size());
-  parallel(cells_.size(), 1, [&](std::size_t cell) {
+  parallel_for(cells_.size(), 1, [&](std::size_t cell) {
     emit_cell(cells_[cell], static_cast<std::uint32_t>(cell), options_.form != Form::pieces, to, workspaces_.local(), outputs[cell]);
     progress.step();
   });

@@ -2,8 +2,6 @@
 // light_tree_edit.cpp.
 #pragma once
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <functional>
 #include <map>
 #include <memory>
@@ -14,6 +12,7 @@
 #include "emit.hpp"
 #include "light_shadows.hpp"
 #include "live.hpp"
+#include "parallel.hpp"
 #include "prefix.hpp"
 #include "reach.hpp"
 
@@ -225,7 +224,7 @@ class LightTree final : public LightShadows {
   std::unique_ptr<Prefix> prefix_;
   std::vector<CellTree> cells_;
   Shadows shadows_;
-  tbb::enumerable_thread_specific<Workspace> workspaces_;
+  PerThread<Workspace> workspaces_;
 
   // For edits.
   std::vector<LiveCell> live_;            // by cell

@@ -1,7 +1,5 @@
 // Edits of a finished light tree: objects out, objects in, and what that changed.
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -65,7 +63,7 @@ void LightTree::emit_live() {
   for (std::uint32_t c = 0; c < cells_.size(); ++c) live_.emplace_back(c, options_.form != Form::pieces);
   shadows_.blocks.resize(cells_.size() + 1);
   const EmitTarget to = target();
-  tbb::parallel_for(std::size_t{0}, cells_.size(), [&](std::size_t c) {
+  parallel_for(cells_.size(), 1, [&](std::size_t c) {
     live_[c].start(cells_[c], to, workspaces_.local(), shadows_.blocks[c], update_);
     cells_[c].set_live(&live_[c]);
   });
@@ -131,7 +129,7 @@ void LightTree::edit_cells(std::span<const std::uint32_t> cells, std::size_t wor
   };
   constexpr std::size_t worth_it = 128;
   if (cells.size() > 1 && work >= worth_it) {
-    tbb::parallel_for(std::size_t{0}, cells.size(), one);
+    parallel_for(cells.size(), 1, one);
   } else {
     for (std::size_t i = 0; i < cells.size(); ++i) one(i);
   }

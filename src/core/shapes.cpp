@@ -1,8 +1,6 @@
 // Facets as the light sees them, exactly. Flat up to rounding, and with straight corners, a loop may be convex only nearly; then it is cut
 // along the lines of its own edges where it turns the wrong way. One that has no area there, or crosses itself, is seen edge-on.
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
 #include "light_tree.hpp"
@@ -106,7 +104,7 @@ double LightTree::turn_behind(const Cone& cone, std::uint32_t k) const {
 
 void LightTree::face_exactly() {
   shapes_.assign(scene_.facets().size(), convex);
-  tbb::parallel_for(std::size_t{0}, shapes_.size(), [this](std::size_t i) { face_exactly(static_cast<std::uint32_t>(i)); });
+  parallel_for(shapes_.size(), 1, [this](std::size_t i) { face_exactly(static_cast<std::uint32_t>(i)); });
 }
 
 void LightTree::face_exactly(std::uint32_t facet) {

@@ -13,8 +13,6 @@
 //
 // First-order terms only, and twice what they come to.
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -357,11 +355,10 @@ std::vector<double> LightTree::undecided() const {
   if (is_exact()) return out;
   ExactLight exact(light_, space_);
   for (const Object& object : scene_.objects()) note_for_exact(object, exact);
-  tbb::enumerable_thread_specific<Workspace> workspaces;
+  PerThread<Workspace> workspaces;
   std::vector<Doubts> doubts(cells_.size());
   const EmitTarget to = target();
-  tbb::parallel_for(std::size_t{0}, cells_.size(),
-                    [&](std::size_t c) { CellDoubts(cells_[c], to, exact, workspaces.local(), doubts[c]).run(); });
+  parallel_for(cells_.size(), 1, [&](std::size_t c) { CellDoubts(cells_[c], to, exact, workspaces.local(), doubts[c]).run(); });
   for (const Doubts& of_cell : doubts) {
     for (const auto& [face, area] : of_cell) out[face] += area;
   }
