@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <thread>
 
 #include "check.hpp"
 #include "random_scenes.hpp"
@@ -79,6 +80,32 @@ TEST(Invariance, ThreadsOnALargeScene) {
   for (int run = 0; run < 3; ++run) {
     options.threads = 4;
     EXPECT_EQ(check_identical(one, cast_shadows(scene, data.light, options)), "");
+  }
+}
+
+// Callers who share nothing but a scene that none of them changes.
+TEST(Invariance, SeveralCallersAtOnce) {
+  for (SceneData data : {scenes::furnished_room(), scenes::city(6), scenes::triangles(60)}) {
+    Scene scene = scenes::build(data);
+    scene.add(data.light);
+    for (const Kernel kernel : {Kernel::fast, Kernel::exact, Kernel::single}) {
+      SCOPED_TRACE(data.name + ", kernel " + std::to_string(static_cast<int>(kernel)));
+      Options options;
+      options.kernel = kernel, options.threads = 2, options.facets_per_cell = 8;
+      std::vector<Shadows> results(4);
+      std::vector<std::thread> callers;
+      for (Shadows& shadows : results) {
+        callers.emplace_back([&] {
+          shadows = cast_shadows(scene, data.light, options);
+          Engine engine(scene, options);
+          engine.update();
+          engine.combined();
+          engine.undecided(0);
+        });
+      }
+      for (std::thread& caller : callers) caller.join();
+      for (const Shadows& shadows : results) EXPECT_EQ(check_identical(results[0], shadows), "");
+    }
   }
 }
 

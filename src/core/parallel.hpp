@@ -4,7 +4,7 @@
 // ThreadSanitizer cannot see into oneTBB as distributions ship it, so it is told here what oneTBB guarantees: what came before a loop came
 // before each body, and each body before what follows the loop. Nothing is said to order one body with another, so a race between two of
 // them is found. For the same reason TBB's templates are in parallel.cpp, which is compiled without ThreadSanitizer: of a library half seen
-// it reports races that are none, and takes its counters for an order of the bodies, which hides some that are.
+// it reports races that are none, and takes its counters for an order of the bodies, which may hide some that are.
 #pragma once
 
 #include <tbb/enumerable_thread_specific.h>
