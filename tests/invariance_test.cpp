@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "check.hpp"
+#include "edit_checks.hpp"
 #include "random_scenes.hpp"
 
 namespace shadowcut::testing {
@@ -105,6 +106,28 @@ TEST(Invariance, SeveralCallersAtOnce) {
       }
       for (std::thread& caller : callers) caller.join();
       for (const Shadows& shadows : results) EXPECT_EQ(check_identical(results[0], shadows), "");
+    }
+  }
+}
+
+// So many that cells are edited on two threads.
+TEST(Invariance, ManyMovesOnTwoThreads) {
+  const SceneData data = scenes::city(20);
+  for (const Kernel kernel : {Kernel::fast, Kernel::exact, Kernel::single}) {
+    Scene scene = scenes::build(data);
+    scene.add(data.light);
+    Options options;
+    options.kernel = kernel, options.threads = 1;
+    Engine one(scene, options);
+    options.threads = 2;
+    Engine two(scene, options);
+    for (int step = 0; step < 4; ++step) {
+      SCOPED_TRACE("kernel " + std::to_string(static_cast<int>(kernel)) + ", step " + std::to_string(step));
+      EXPECT_EQ(check_identical(one.update(), two.update()), "");
+      EXPECT_EQ(check_identical(one.shadows(0), two.shadows(0)), "");
+      for (std::size_t o = 1; o < scene.objects().size(); o += 3) {
+        ASSERT_EQ(scene.set_pose(scene.object_id(o), Pose(Eigen::Translation3d(0.01 * step + 0.01, 0.02 * step, 0))), Edit::done);
+      }
     }
   }
 }
