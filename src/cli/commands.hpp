@@ -45,10 +45,21 @@ struct CompareArguments {
   bool quiet = false;
 };
 
+struct RenderArguments {
+  std::string scene;
+  std::vector<std::string> lights;
+  std::string technique, camera, output;
+  int width = 640, height = 480;
+  io::ReadOptions reading;
+  std::string json;  // empty: none
+  bool quiet = false;
+};
+
 // All throw Error, or another std::exception, and then have left no output behind.
 void cast(const CastArguments& arguments);
 void inspect(const InspectArguments& arguments);
 void compare_algorithms(const CompareArguments& arguments);
+void render_picture(const RenderArguments& arguments);
 // Returns an empty string, or, with `verify`, a sentence that says where an update differs from a rebuild.
 std::string replay(const ReplayArguments& arguments);
 

@@ -6,9 +6,11 @@
 #include <iostream>
 #include <map>
 #include <new>
+#include <tuple>
 
 #include "commands.hpp"
 #include "specs.hpp"
+#include "technique.hpp"
 
 namespace shadowcut::cli {
 
@@ -116,6 +118,20 @@ void add_compare(CLI::App& app, CompareArguments& a) {
       ->check(CLI::PositiveNumber);
 }
 
+void add_render(CLI::App& app, RenderArguments& a) {
+  CLI::App& command = *app.add_subcommand("render", "Draw a scene with OpenGL, its shadows by one of several techniques");
+  add_lit_scene(command, a);
+  std::string names;
+  for (const std::string& name : render::technique_names()) names += (names.empty() ? "" : ", ") + name;
+  command.add_option("--technique", a.technique, names)->required()->type_name("T");
+  command.add_option("--camera", a.camera, "ex,ey,ez,tx,ty,tz[,fov in degrees]: from where to where it looks")
+      ->required()
+      ->type_name("CAMERA");
+  const auto set_size = [&a](const std::string& text) { std::tie(a.width, a.height) = parse_size(text); };
+  command.add_option_function<std::string>("--size", set_size, "Pixels (640x480)")->type_name("WxH");
+  command.add_option("-o", a.output, "The picture, .png")->required()->type_name("FILE");
+}
+
 int fail(std::string message, int status) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   std::cerr << "shadowcut: " << message << std::endl;
@@ -130,10 +146,12 @@ int run(int argc, char** argv) {
   InspectArguments inspect_arguments;
   ReplayArguments replay_arguments;
   CompareArguments compare_arguments;
+  RenderArguments render_arguments;
   add_cast(app, cast_arguments);
   add_inspect(app, inspect_arguments);
   add_replay(app, replay_arguments);
   add_compare(app, compare_arguments);
+  add_render(app, render_arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
@@ -144,6 +162,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("cast")) cast(cast_arguments);
   if (app.got_subcommand("inspect")) inspect(inspect_arguments);
   if (app.got_subcommand("compare")) compare_algorithms(compare_arguments);
+  if (app.got_subcommand("render")) render_picture(render_arguments);
   if (!app.got_subcommand("replay")) return 0;
   const std::string difference = replay(replay_arguments);
   return difference.empty() ? 0 : fail(difference, 1);

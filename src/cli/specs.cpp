@@ -94,6 +94,23 @@ io::View parse_view(const std::string& spec, const Scene& scene) {
   throw Error("--svg: '" + spec + "' is none of plan, plan:HEIGHT, OBJECT:FACE of this scene, ex,ey,ez,tx,ty,tz[,fov]");
 }
 
+io::View parse_camera(const std::string& spec) {
+  const auto numbers = parse_numbers(spec);
+  if (!numbers || (numbers->size() != 6 && numbers->size() != 7)) throw Error("--camera: '" + spec + "' is not ex,ey,ez,tx,ty,tz[,fov]");
+  return camera_view(*numbers);
+}
+
+std::pair<int, int> parse_size(const std::string& spec) {
+  int width = 0, height = 0;
+  const char* const end = spec.data() + spec.size();
+  const auto [cross, bad_width] = std::from_chars(spec.data(), end, width);
+  const bool parted = bad_width == std::errc() && cross != end && *cross == 'x';
+  const auto [rest, bad_height] = std::from_chars(parted ? cross + 1 : end, end, height);
+  if (!parted || bad_height != std::errc() || rest != end || width <= 0 || height <= 0)
+    throw Error("--size: '" + spec + "' is not WIDTHxHEIGHT in pixels");
+  return {width, height};
+}
+
 double parse_share(const std::string& option, const std::string& text) {
   const auto numbers = parse_numbers(text);
   if (!numbers || numbers->size() != 1 || numbers->front() < 0 || numbers->front() > 1)

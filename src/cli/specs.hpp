@@ -4,6 +4,7 @@
 #include <map>
 #include <shadowcut/io.hpp>
 #include <string>
+#include <utility>
 
 namespace shadowcut::cli {
 
@@ -15,6 +16,12 @@ std::string light_spec(const Light& light);
 
 // plan, plan:HEIGHT, OBJECT:FACE or ex,ey,ez,tx,ty,tz[,fov in degrees].
 io::View parse_view(const std::string& spec, const Scene& scene);
+
+// --camera: ex,ey,ez,tx,ty,tz[,fov in degrees], in io::View.
+io::View parse_camera(const std::string& spec);
+
+// WIDTHxHEIGHT.
+std::pair<int, int> parse_size(const std::string& spec);
 
 // The kernels by their names, and back.
 const std::map<std::string, Kernel>& kernels();

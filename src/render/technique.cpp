@@ -1,0 +1,36 @@
+// See technique.hpp.
+#include "technique.hpp"
+
+namespace shadowcut::render {
+
+const std::vector<std::string>& technique_names() {
+  static const std::vector<std::string> names{"fragments",      "stencil-standard", "stencil-zfail",
+                                              "stencil-hybrid", "stencil-kolic",    "shadow-map"};
+  return names;
+}
+
+std::unique_ptr<Technique> make_technique(const std::string& name, const Scene& scene, const Model& model) {
+  if (name == "fragments") return make_fragments(scene, model);
+  if (name == "stencil-standard") return make_stencil_volumes(scene, model, false);
+  if (name == "stencil-zfail") return make_stencil_volumes(scene, model, true);
+  if (name == "stencil-hybrid") return make_stencil_hybrid(scene, model);
+  if (name == "stencil-kolic") return make_stencil_kolic(scene, model);
+  if (name == "shadow-map") return make_shadow_map(scene, model);
+  std::string all;
+  for (const std::string& known : technique_names()) all += (all.empty() ? "" : ", ") + known;
+  throw Error("'" + name + "' is no technique: " + all);
+}
+
+void draw(const Frame& frame, const Scene& scene, const Model& model, Technique& technique) {
+  technique.update();
+  model.draw_ambient(frame);
+  for (std::size_t k = 0; k < scene.lights().size(); ++k) {
+    if (scene.light_id(k).index == none) continue;
+    technique.add_light(frame, k);
+    glDisable(GL_STENCIL_TEST);
+    model.add_light(frame, scene.lights()[k], scene.lights().size(), false);
+  }
+  require_no_error("drawing");
+}
+
+}  // namespace shadowcut::render

@@ -1,0 +1,48 @@
+// The ways of drawing shadows, behind one small face.
+//
+//   fragments         the engine's lit fragments, brought up to date by what Engine::update() hands out
+//   stencil-standard  Heidmann's shadow volumes, counted where they pass the depth test
+//   stencil-zfail     the same, counted where they fail it: no near plane can cut them
+//   stencil-hybrid    Batagelo & Costa 1999: hidden casters left out by an SVBSP tree, silhouettes, caps at the near plane
+//   stencil-kolic     Kolic et al. 2004: no silhouettes, volumes made in the vertex shader
+//   shadow-map        a depth map for each light, with the usual bias
+#pragma once
+
+#include <map>
+#include <memory>
+#include <shadowcut/shadows.hpp>
+#include <string>
+#include <vector>
+
+#include "model.hpp"
+
+namespace shadowcut::render {
+
+// Figures of a frame, by name: milliseconds of phases (glFinish between them), and numbers of what was drawn.
+using Figures = std::vector<std::pair<std::string, double>>;
+
+class Technique {
+ public:
+  virtual ~Technique() = default;
+  // Before a frame: brings the technique up to date with the scene.
+  virtual void update() = 0;
+  // Adds one light's share. The frame holds the ambient picture and all depths; stencil and blending may be left in any state.
+  virtual void add_light(const Frame& frame, std::size_t light) = 0;
+  // Of the frame drawn last.
+  virtual Figures figures() const { return {}; }
+};
+
+// The scene, and the model of it, must outlive the technique. Throws Error when there is no technique of the name.
+std::unique_ptr<Technique> make_technique(const std::string& name, const Scene& scene, const Model& model);
+const std::vector<std::string>& technique_names();
+
+std::unique_ptr<Technique> make_fragments(const Scene& scene, const Model& model);
+std::unique_ptr<Technique> make_stencil_volumes(const Scene& scene, const Model& model, bool zfail);
+std::unique_ptr<Technique> make_stencil_hybrid(const Scene& scene, const Model& model);
+std::unique_ptr<Technique> make_stencil_kolic(const Scene& scene, const Model& model);
+std::unique_ptr<Technique> make_shadow_map(const Scene& scene, const Model& model);
+
+// A whole picture: ambient light, then one light after another.
+void draw(const Frame& frame, const Scene& scene, const Model& model, Technique& technique);
+
+}  // namespace shadowcut::render
