@@ -3,6 +3,7 @@
 
 #include "commands.hpp"
 #include "inputs.hpp"
+#include "io/files.hpp"
 #include "offscreen.hpp"
 #include "outputs.hpp"
 #include "report.hpp"

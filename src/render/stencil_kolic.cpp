@@ -4,8 +4,10 @@
 // where the depth test fails, INCR where it passes, under the write mask 1101b, so that the second bit never comes to be; a pixel once
 // marked 1100b, both a pass and a failure, is left alone.
 //
-// Departures. Sides end at infinity. Section 3.2's mask is also the mask of the comparison. Nothing is said in the paper of a camera within
-// a volume: only one side of it is then seen, and what lies in it is not marked (tests/render_test.cpp has the case).
+// Departures. Sides end at infinity, and an eighth triangle closes the volume there: without it a ray of the eye that hits a surface before or
+// within a volume and never leaves it fails the depth test once, not twice, and what that leaves in the stencil buffer makes a shadow of the
+// next volume in front, which two sides should have left as it was. Section 3.2's mask is also the mask of the comparison. Nothing is said of a
+// camera within a volume: only one side of it is then seen, and what lies in it comes out wrong (tests/render_test.cpp has the case).
 #include "technique.hpp"
 
 namespace shadowcut::render {
@@ -101,6 +103,7 @@ class Kolic : public Technique {
       add(next, 0), add(k, 1), add(next, 1);
     }
     for (std::size_t k = 0; k < 3; ++k) add(k, 0);
+    add(0, 1), add(2, 1), add(1, 1);
   }
 
   const Scene& scene_;
