@@ -14,9 +14,9 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 colour;
 uniform mat4 clip;
-out vec3 x;
-out vec3 n;
-out vec4 paint;
+out vec3 x;  // what is the same all over a facet is not interpolated: across a sliver that runs away
+flat out vec3 n;
+flat out vec4 paint;
 invariant gl_Position;
 void main() {
   x = position;
@@ -28,8 +28,8 @@ void main() {
 
 const std::string ambient_fragment_shader = R"(
 in vec3 x;
-in vec3 n;
-in vec4 paint;
+flat in vec3 n;
+flat in vec4 paint;
 uniform float share;
 out vec4 pixel;
 void main() { pixel = vec4(paint.rgb * share, 1.0); }
@@ -38,8 +38,8 @@ void main() { pixel = vec4(paint.rgb * share, 1.0); }
 // A light is (at, 1) or (its direction of travel, 0). axis.w: the cosine of the cone's half angle, or -2 for none.
 const std::string lit_main = R"(
 in vec3 x;
-in vec3 n;
-in vec4 paint;
+flat in vec3 n;
+flat in vec4 paint;
 uniform vec3 eye;
 uniform vec4 light;
 uniform vec4 axis;
