@@ -772,6 +772,54 @@ class Compare(Cli):
         self.refused("compare", room, "--light", ROOM_LIGHT, "--json", os.path.join(self.folder, "no", "out"), says=["out"])
 
 
+class Render(Cli):
+    CAMERA = "0.4,0.4,2.3,5,4,0.3"
+
+    def picture(self, technique, *arguments):
+        target = self.path(technique + ".png")
+        result = run("render", os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT, "--technique", technique, "--camera", self.CAMERA, "-o", target,
+                     *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(target, "rb") as png:
+            content = png.read()
+        self.assertEqual(content[:8], b"\x89PNG\r\n\x1a\n")
+        return struct.unpack(">II", content[16:24]), result
+
+    def test_every_technique_makes_a_picture(self):
+        for technique in ("fragments", "stencil-standard", "stencil-zfail", "stencil-hybrid", "stencil-kolic", "shadow-map"):
+            size, _ = self.picture(technique, "--size", "64x48", "--quiet")
+            self.assertEqual(size, (64, 48))
+
+    def test_json(self):
+        _, result = self.picture("stencil-hybrid", "--size", "80x60", "--json", "-")
+        report = json.loads(result.stdout)
+        self.assertLessEqual({"scene", "technique", "width", "height", "draw_ms", "lights", "figures"}, set(report))
+        self.assertLess(report["figures"]["shadow_polygons"], report["figures"]["shadow_polygons_before"])
+
+    def test_refusals(self):
+        room, light = os.path.join(DATA, "room1.obj"), ("--light", ROOM_LIGHT)
+        good = ("--technique", "fragments", "--camera", self.CAMERA)
+        out = self.path("out.png")
+        self.refused("render", room, *light, "--technique", "radiosity", "--camera", self.CAMERA, "-o", out, says=["radiosity"])
+        for camera in ("", "1,2,3", "1,2,3,4,5,6,7,8", "1,2,3,1,2,3", "a,b,c,d,e,f", "0,0,0,1,0,0,0", "0,0,0,1,0,0,180", "nan,0,0,1,0,0"):
+            self.refused("render", room, *light, "--technique", "fragments", "--camera", camera, "-o", out, says=["camera"])
+        for size in ("0x10", "10x0", "-5x5", "10", "10x", "x10", "10x10x10", "1e2x5", "100000000x1", "99999999999x1"):
+            self.refused("render", room, *light, *good, "--size", size, "-o", out)
+        self.refused("render", room, *light, *good, "-o", self.path("out.jpg"), says=["out.jpg"])
+        self.refused("render", room, *light, *good, "-o", os.path.join(self.folder, "no", "out.png"), says=["out.png"])
+        self.refused("render", room, *light, *good)
+        self.refused("render", room, *good, "-o", out, says=["light"])
+        self.refused("render", self.path("none.obj"), *light, *good, "-o", out, says=["none.obj"])
+
+    def test_without_a_driver_there_is_one_clear_error(self):
+        environment = dict(os.environ, __EGL_VENDOR_LIBRARY_FILENAMES="/none.json", LIBGL_DRIVERS_PATH="/none")
+        result = subprocess.run([PROGRAM, "render", os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT, "--technique", "fragments", "--camera",
+                                 self.CAMERA, "-o", self.path("a.png")], capture_output=True, text=True, timeout=60, env=environment)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("OpenGL", result.stderr)
+        self.assertEqual(len(result.stderr.strip().splitlines()), 1, result.stderr)
+
+
 class RealModels(Cli):
     def check(self, path, faces, objects=1, light="sun:0.3,-0.8,-0.5"):
         if not os.path.exists(path):
