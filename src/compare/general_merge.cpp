@@ -90,9 +90,13 @@ class Region {
   // On which side of a plane it lies that does not pass through it.
   int side(const Vec3& n) const {
     double farthest = 0;
-    for (const Bound& b : bounds_)
-      for (const Vec3* r : {&b.arc.from, &b.arc.to, &b.arc.middle})
-        if (std::abs(n.dot(*r)) > std::abs(farthest)) farthest = n.dot(*r);
+    const auto look_at = [&](const Vec3& r) {
+      if (std::abs(n.dot(r)) > std::abs(farthest)) farthest = n.dot(r);
+    };
+    for (const Bound& b : bounds_) {
+      if (b.arc.extent == Extent::whole) look_at(b.n);  // half of light space
+      else look_at(b.arc.from), look_at(b.arc.to), look_at(b.arc.middle);
+    }
     return farthest < 0 ? -1 : 1;
   }
 
@@ -254,7 +258,7 @@ class Merger {
       }
       const ArcSides mine = sides_of(own, n, m), theirs = sides_of(step.by, m, n);
       const auto go_whole = [&](std::uint32_t child, bool positive) { tree_.put((positive ? at : twin) * 2 + child, below[child]); };
-      if (mine.on() || theirs.on()) {  // one plane
+      if (mine.on() && theirs.on()) {  // one plane
         const bool along = n.dot(m) > 0;
         go_whole(0, along), go_whole(1, !along);
         set_arcs(at, twin, {}, {});
@@ -266,8 +270,11 @@ class Merger {
         rest.push_back({below[1], outside, {at * 2 + 1, twin * 2 + 1}});
         rest.push_back({below[0], inside, {at * 2, twin * 2}});
       } else {
-        const bool positive = side_of(own, m) > 0;
-        const std::uint32_t reached = side_of(step.by, n) > 0 ? 0 : 1;
+        // Of two that touch and are nearly parallel, the longer one says on which side of the other it lies; what lies between them and
+        // beyond follows from their directions.
+        std::uint32_t reached = side_of(step.by, n) > 0 ? 0 : 1;
+        const bool positive = mine.on() ? (n.dot(m) > 0) == (reached == 1) : side_of(own, m) > 0;
+        if (theirs.on()) reached = (n.dot(m) > 0) == positive ? 1 : 0;
         set_arcs(at, twin, positive ? own : Arc{}, positive ? Arc{} : own);
         go_whole(1 - reached, positive);
         rest.push_back({below[reached], step.by, {at * 2 + reached, twin * 2 + reached}});
