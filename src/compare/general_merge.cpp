@@ -62,7 +62,8 @@ void split(const Arc& arc, const Vec3& n, const Vec3& m, Arc& positive, Arc& neg
     return;
   }
   const Vec3 at = cut.dot(arc.middle) < 0 ? Vec3(-cut) : cut;
-  const bool ahead = m.dot(arc.from) != 0 ? m.dot(arc.from) > 0 : m.dot(arc.to) < 0;
+  const double a = m.dot(arc.from), b = m.dot(arc.to);  // one of them may be on m, but for rounding
+  const bool ahead = std::abs(a) > std::abs(b) ? a > 0 : b < 0;
   positive = ahead ? arc_between(arc.from, at) : arc_between(at, arc.to);
   negative = ahead ? arc_between(at, arc.to) : arc_between(arc.from, at);
 }
@@ -145,6 +146,7 @@ class Merger {
       pending_.pop_back();
       merge_roots(pair);
     }
+    collapse_idle();
   }
 
  private:
@@ -296,7 +298,8 @@ class Merger {
     }
   }
 
-  // Nodes just made, the upper ones first: finds the owner of each, and removes what has none and divides nothing.
+  // SP-nodes just made or looked at, the upper ones first: finds the owner of each. What has none and does not divide its region goes. What
+  // would leave a larger region to what is below it waits until there is no more need of the arcs.
   void clean_up(const std::vector<std::uint32_t>& made) {
     for (auto at = made.rbegin(); at != made.rend(); ++at) {
       const Node& node = tree_.nodes[*at];
@@ -305,7 +308,21 @@ class Merger {
       const bool bounds = inner != none && tree_.nodes[inner].surface == node.surface &&
                           (tree_.nodes[inner].kind == Node::Kind::pp || tree_.nodes[inner].owner != none);
       tree_.set_owner(*at, !bounds ? none : tree_.nodes[inner].kind == Node::Kind::pp ? inner : tree_.nodes[inner].owner);
-      if (!bounds && (node.child[0] == none || node.child[1] == none)) tree_.collapse(*at);
+      if (bounds) continue;
+      if (arc(*at).extent == Extent::none || (inner == none && node.child[1] == none)) tree_.collapse(*at);
+      else if (inner == none || node.child[1] == none) idle_.push_back(*at);
+    }
+  }
+
+  void collapse_idle() {
+    for (std::uint32_t at : idle_) {
+      while (tree_.nodes[at].kind == Node::Kind::sp && tree_.nodes[at].owner == none &&
+             (tree_.nodes[at].child[0] == none || tree_.nodes[at].child[1] == none)) {
+        const std::uint32_t above = tree_.nodes[at].parent;
+        tree_.collapse(at);
+        if (Svbsp::is_top(above)) break;
+        at = above >> 1;
+      }
     }
   }
 
@@ -374,7 +391,8 @@ class Merger {
   }
 
   Svbsp& tree_;
-  std::vector<Arc> arcs_;  // by node
+  std::vector<Arc> arcs_;            // by node
+  std::vector<std::uint32_t> idle_;  // nodes that may be without owner, with nothing on one side
   std::vector<Pair> pending_;
 };
 

@@ -83,9 +83,6 @@ std::uint32_t Svbsp::add_pp(std::uint32_t surface) {
 }
 
 void Svbsp::release(std::uint32_t node) {
-#ifdef DBG
-  if (nodes[node].kind == Node::Kind::free) __builtin_trap();
-#endif
   Node& n = nodes[node];
   if (n.kind == Node::Kind::pp) {
     while (n.first != none) drop_record(n.first);
@@ -508,7 +505,7 @@ std::string Svbsp::validate() const {
     if (nodes[inner].kind == Node::Kind::pp ? inner != node.owner : nodes[inner].owner != node.owner)
       return "the planes of a shadow volume do not follow each other";
   }
-  if (sps != counts.sp_nodes || pps != counts.pp_nodes || marked != counts.marked || stored != counts.stored) return "the counts are wrong" + std::to_string(sps)+" "+std::to_string(counts.sp_nodes)+" pp "+std::to_string(pps)+" "+std::to_string(counts.pp_nodes)+" m "+std::to_string(marked)+" "+std::to_string(counts.marked)+" st "+std::to_string(stored)+" "+std::to_string(counts.stored);
+  if (sps != counts.sp_nodes || pps != counts.pp_nodes || marked != counts.marked || stored != counts.stored) return "the counts are wrong";
   std::size_t own = 0, listed = 0;
   for (const Surface& s : surfaces) own += s.pps.size(), listed += s.records.size();
   return own == pps && listed == stored ? "" : "a location list names what is not in the tree";
