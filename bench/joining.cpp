@@ -2,9 +2,9 @@
 //
 //   shadowcut_bench_joining [--only SCENE]... [--moves N] [--objects N] [--json FILE]
 //
-// In each scene up to --objects movable objects, spread evenly over its list, move in turn (the first object, a shell or the ground, stays).
-// A *first* move is one of an object that has stood still since the build; it and some *next* moves to and fro are timed, remove() and
-// insert() together, each way of joining in a tree of its own. The published tree then holds the shadow volumes; it reckons no areas or
+// In each scene up to --objects movable objects, spread evenly over its list, move in turn (the first object, a shell or the ground,
+// stays). A *first* move is one of an object that has stood still since the build; it and some *next* moves to and fro are timed, remove()
+// and insert() together, each way of joining in a tree of its own. The published tree then holds the shadow volumes; it reckons no areas or
 // fragments, which the engine's update does. The tree's size after all moves is told as a share of a fresh build's.
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -50,8 +50,10 @@ double mean(const std::vector<double>& values) {
 struct Series {
   std::vector<double> ms, visits, partitions, joins;
   ordered_json json() const {
-    return {{"count", ms.size()},     {"median_ms", median(ms)},           {"mean_ms", mean(ms)}, {"worst_ms", *std::max_element(ms.begin(), ms.end())},
-            {"visits", mean(visits)}, {"partitions", mean(partitions)}, {"joins", mean(joins)}};
+    return {{"count", ms.size()},     {"median_ms", median(ms)},
+            {"mean_ms", mean(ms)},    {"worst_ms", *std::max_element(ms.begin(), ms.end())},
+            {"visits", mean(visits)}, {"partitions", mean(partitions)},
+            {"joins", mean(joins)}};
   }
 };
 
@@ -96,8 +98,14 @@ ordered_json published(const scenes::SceneData& data, Joining joining, const Arg
   });
   const PublishedTree fresh(scene, scene.lights()[0], joining);
   const double growth = static_cast<double>(tree.counts().nodes()) / static_cast<double>(fresh.counts().nodes());
-  return {{"joining", compare::name_of(joining)}, {"build_ms", build}, {"first", first.json()}, {"next", next.json()},
-          {"nodes_fresh", fresh.counts().nodes()}, {"nodes", tree.counts().nodes()}, {"growth", growth}, {"marked", tree.counts().marked}};
+  return {{"joining", compare::name_of(joining)},
+          {"build_ms", build},
+          {"first", first.json()},
+          {"next", next.json()},
+          {"nodes_fresh", fresh.counts().nodes()},
+          {"nodes", tree.counts().nodes()},
+          {"growth", growth},
+          {"marked", tree.counts().marked}};
 }
 
 ordered_json engine(const scenes::SceneData& data, const Arguments& a) {
@@ -118,16 +126,25 @@ ordered_json engine(const scenes::SceneData& data, const Arguments& a) {
   Engine fresh(scene, options);
   fresh.update();
   const std::uint64_t nodes = engine.shadows(0).stats.nodes, new_nodes = fresh.shadows(0).stats.nodes;
-  return {{"joining", "engine"}, {"build_ms", build}, {"first", first.json()}, {"next", next.json()}, {"nodes_fresh", new_nodes},
-          {"nodes", nodes}, {"growth", static_cast<double>(nodes) / static_cast<double>(new_nodes)}};
+  return {{"joining", "engine"},
+          {"build_ms", build},
+          {"first", first.json()},
+          {"next", next.json()},
+          {"nodes_fresh", new_nodes},
+          {"nodes", nodes},
+          {"growth", static_cast<double>(nodes) / static_cast<double>(new_nodes)}};
 }
 
 void print(const std::string& scene, const ordered_json& row) {
-  const auto number = [&](const char* series, const char* what) { return row[series].contains(what) ? row[series][what].get<double>() : 0.0; };
-  std::printf("%-15s %-9s build %9.3f  first %8.4f (mean %8.4f) next %8.4f (mean %8.4f) ms  visits %8.0f partitions %8.0f (first, mean)  growth %.2f\n",
-              scene.c_str(), row["joining"].get<std::string>().c_str(), row["build_ms"].get<double>(), number("first", "median_ms"),
-              number("first", "mean_ms"), number("next", "median_ms"), number("next", "mean_ms"), number("first", "visits"),
-              number("first", "partitions"), row["growth"].get<double>());
+  const auto number = [&](const char* series, const char* what) {
+    return row[series].contains(what) ? row[series][what].get<double>() : 0.0;
+  };
+  std::printf(
+      "%-15s %-9s build %9.3f  first %8.4f (mean %8.4f) next %8.4f (mean %8.4f) ms  visits %8.0f partitions %8.0f (first, mean)  growth "
+      "%.2f\n",
+      scene.c_str(), row["joining"].get<std::string>().c_str(), row["build_ms"].get<double>(), number("first", "median_ms"),
+      number("first", "mean_ms"), number("next", "median_ms"), number("next", "mean_ms"), number("first", "visits"),
+      number("first", "partitions"), row["growth"].get<double>());
   std::fflush(stdout);
 }
 

@@ -159,8 +159,8 @@ class Merger {
   static constexpr std::uint32_t other_place = Svbsp::held_place, positive_place = other_place + 1, negative_place = other_place + 2;
 
   Arc& arc(std::uint32_t node) {
-    if (arcs_.size() <= node) arcs_.resize(tree_.nodes.size());
-    return arcs_[node];
+    if (tree_.arcs.size() <= node) tree_.arcs.resize(2 * node + 1);
+    return tree_.arcs[node];
   }
 
   // Clips all planes of the other tree to their regions. What the region does not reach goes.
@@ -391,7 +391,6 @@ class Merger {
   }
 
   Svbsp& tree_;
-  std::vector<Arc> arcs_;            // by node
   std::vector<std::uint32_t> idle_;  // nodes that may be without owner, with nothing on one side
   std::vector<Pair> pending_;
 };

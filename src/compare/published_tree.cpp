@@ -20,9 +20,7 @@ Eigen::AlignedBox3d box_of(const Scene& scene) {
 
 }  // namespace
 
-const char* name_of(Joining joining) {
-  return joining == Joining::filter ? "filter" : joining == Joining::merge ? "merge" : "reinsert";
-}
+const char* name_of(Joining joining) { return joining == Joining::filter ? "filter" : joining == Joining::merge ? "merge" : "reinsert"; }
 
 struct PublishedTree::Impl {
   Impl(const Scene& s, const Light& l, Joining j) : scene(s), light(l), space(l, box_of(s)), joining(j) {}
@@ -91,8 +89,8 @@ void PublishedTree::Impl::insert(std::uint32_t index) {
   if (facets_of.size() <= index) facets_of.resize(scene.objects().size());
   if (!facets_of[index].empty()) return;
   const Object& object = scene.objects()[index];
-  const bool light_inside = object.casts && light.kind == Light::Kind::point && object.sides == Sides::closed &&
-                            in_or_on_solid(scene, object, light.at);
+  const bool light_inside =
+      object.casts && light.kind == Light::Kind::point && object.sides == Sides::closed && in_or_on_solid(scene, object, light.at);
   for (std::uint32_t id = object.first_facet; id < object.first_facet + object.facet_count; ++id)
     if (scene.facets()[id].corner_count != 0) enter(id, light_inside);
   for (const std::uint32_t id : facets_of[index]) {

@@ -43,9 +43,9 @@ struct TreeCounts {
   std::uint64_t sp_nodes = 0, pp_nodes = 0, stored = 0;  // stored: polygons in the lists behind PP-nodes, each once in each list
   std::uint64_t marked = 0;                              // planes that bound no shadow volume any more
   // Since the tree was made.
-  std::uint64_t joins = 0;      // of two subtrees
-  std::uint64_t visits = 0;     // nodes that something was filtered past
-  std::uint64_t bounded = 0;    // merge: planes clipped to their region
+  std::uint64_t joins = 0;       // of two subtrees
+  std::uint64_t visits = 0;      // nodes that something was filtered past
+  std::uint64_t bounded = 0;     // merge: planes clipped to their region
   std::uint64_t partitions = 0;  // merge: nodes compared with a partitioning plane
   std::uint64_t nodes() const { return sp_nodes + pp_nodes; }
 };

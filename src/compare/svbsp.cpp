@@ -351,8 +351,8 @@ void Svbsp::list_of(std::uint32_t pp, const std::vector<Vec3>& planes, std::uint
 
 // ---- removal
 
-// The shadow volumes of some subtrees that are in front of nothing within them, each with its polygon as it lies there; the upper ones last,
-// since what is added last goes first.
+// The shadow volumes of some subtrees that are in front of nothing within them, each with its polygon as it lies there; the upper ones
+// last, since what is added last goes first.
 void Svbsp::collect(std::vector<std::uint32_t> roots, std::vector<Item>& volumes) const {
   while (!roots.empty()) {
     const std::uint32_t root = roots.back();
@@ -463,7 +463,8 @@ void Svbsp::take_out(std::uint32_t pp, Joining joining) {
   run();
   for (std::uint32_t up = place; !is_top(up);) {
     const std::uint32_t node = up >> 1;
-    if (nodes[node].kind != Node::Kind::sp || nodes[node].owner != none || (nodes[node].child[0] != none && nodes[node].child[1] != none)) break;
+    if (nodes[node].kind != Node::Kind::sp || nodes[node].owner != none || (nodes[node].child[0] != none && nodes[node].child[1] != none))
+      break;
     up = nodes[node].parent;
     collapse(node);
   }

@@ -78,8 +78,8 @@ struct Item {
   std::uint32_t surface;
   Outline outline;
   std::uint32_t place;
-  std::uint32_t pp = none;   // a shadow volume that comes whole; otherwise a polygon alone
-  std::uint32_t from = 0;    // the place where the volume set out
+  std::uint32_t pp = none;      // a shadow volume that comes whole; otherwise a polygon alone
+  std::uint32_t from = 0;       // the place where the volume set out
   std::vector<Vec3> cuts = {};  // planes that have cut the volume's outline, besides those of its polygon, positive where it is
 };
 
@@ -92,9 +92,12 @@ class Svbsp {
 
   std::vector<Surface> surfaces;  // by facet
   std::vector<Node> nodes;
+  std::vector<Arc> arcs;  // by node: where its plane lies in its region; for merge(), and stale between its calls
   TreeCounts counts;
 
-  std::uint32_t child_at(std::uint32_t place) const { return is_top(place) ? tops_[place - held_place] : nodes[place >> 1].child[place & 1]; }
+  std::uint32_t child_at(std::uint32_t place) const {
+    return is_top(place) ? tops_[place - held_place] : nodes[place >> 1].child[place & 1];
+  }
   void put(std::uint32_t place, std::uint32_t child);
   std::uint32_t take(std::uint32_t place);  // leaves OUT
   std::uint32_t add_sp(const Vec3& n, std::uint32_t surface, std::uint32_t owner);
@@ -113,7 +116,7 @@ class Svbsp {
 
   Vec3 nearer(std::uint32_t p, std::uint32_t q) const { return surfaces[p].q - surfaces[q].q; }  // positive where p is
   double touching(std::uint32_t p, std::uint32_t q) const { return epsilon * (1 + surfaces[p].q_size + surfaces[q].q_size); }
-  Standing standing(std::uint32_t p, std::uint32_t q) const;                          // where both are seen
+  Standing standing(std::uint32_t p, std::uint32_t q) const;                       // where both are seen
   Standing standing(const Outline& part, std::uint32_t p, std::uint32_t q) const;  // of a part of p that lies within q's volume
   // The plane in which p crosses q, as a plane of p's volume.
   Vec3 crossing(std::uint32_t p, std::uint32_t q) const { return nearer(p, q).normalized(); }
