@@ -1,5 +1,6 @@
 // The laws of src/core/exact.hpp, one by one, against rational numbers: on random input, and on input made degenerate and then nudged by
-// ulps. SHADOWCUT_SOAK=n asks for about n signs instead of some hundred thousand, SHADOWCUT_SEED=k for others.
+// ulps. SHADOWCUT_SOAK=n asks for about n signs instead of some hundred thousand, SHADOWCUT_SEED=k for others,
+// SHADOWCUT_CASE=seed for those of a single case.
 #include <gmpxx.h>
 #include <gtest/gtest.h>
 
@@ -87,8 +88,9 @@ ExactCorner at(const Vec3& x) { return {&x, false, nullptr, nullptr, false, fals
 
 template <class Body>
 void for_cases(double scale, const Body& body) {
-  const std::uint64_t count = testing::environment("SHADOWCUT_SOAK").value_or(100000) / 16,
-                      first = testing::environment("SHADOWCUT_SEED").value_or(0) * 1000000;
+  std::uint64_t count = testing::environment("SHADOWCUT_SOAK").value_or(100000) / 16,
+                first = testing::environment("SHADOWCUT_SEED").value_or(0) * 1000000;
+  if (const auto one = testing::environment("SHADOWCUT_CASE")) first = *one, count = 1;
   for (std::uint64_t seed = first; seed < first + count && !::testing::Test::HasFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed) + ", scale " + std::to_string(scale));
     Random random(seed);
@@ -181,34 +183,40 @@ TEST(Predicates, Law6AtAnyMagnitude) {
   for (const double scale : {1e-300, 1e-30, 1e30, 1e150}) for_cases(scale, [](const Case& c, Random&) { check_volumes(c); });
 }
 
-TEST(Predicates, Law7PointsAreWithinOneUlp) {
-  for (const double scale : {1.0, 1e-30, 1e30}) {
-    for_cases(scale, [](const Case& c, Random&) {
-      if (c.light.kind != Light::Kind::point) return;
-      ExactLight exact = c.exact();
-      const Plane p = c.plane(0, 2, 3);
-      exact.note_normal(p.exact_normal);
-      const LightLine l = edge(c.points[0], c.points[1]), m = edge(c.points[2], c.points[4]);
-      const Triple r = cross(cross(c.from_light(l.v[0]), c.from_light(l.v[1])), cross(c.from_light(m.v[0]), c.from_light(m.v[1])));
-      const Triple n = triple(p.exact_normal);
-      const Number along = dot(n, r);
-      if (along == 0) return;
-      const Number s = dot(n, c.from_light(p.point)) / along;
-      const Vec3 x = exact.point(p, {nullptr, false, &l, &m, false, false});
-      for (std::size_t i = 0; i < 3; ++i) {
-        const Number is = Number(c.light.at[static_cast<Eigen::Index>(i)]) + r[i] * s;
-        const double got = x[static_cast<Eigen::Index>(i)];
-        const Number largest(std::numeric_limits<double>::max());
-        if (abs(is) >= largest) {
-          EXPECT_TRUE(std::abs(got) >= std::numeric_limits<double>::max());
-          continue;
-        }
-        ASSERT_TRUE(std::isfinite(got)) << "coordinate " << i << " is " << is.get_d() << ", came out as " << got;
-        EXPECT_TRUE(is >= Number(std::nextafter(got, -INFINITY)) && is <= Number(std::nextafter(got, INFINITY)))
-            << "coordinate " << i << " is " << is.get_d() << ", came out as " << got;
-      }
-    });
+void check_point(const Case& c) {
+  if (c.light.kind != Light::Kind::point) return;
+  ExactLight exact = c.exact();
+  const Plane p = c.plane(0, 2, 3);
+  exact.note_normal(p.exact_normal);
+  const LightLine l = edge(c.points[0], c.points[1]), m = edge(c.points[2], c.points[4]);
+  const Triple r = cross(cross(c.from_light(l.v[0]), c.from_light(l.v[1])), cross(c.from_light(m.v[0]), c.from_light(m.v[1])));
+  const Triple n = triple(p.exact_normal);
+  const Number along = dot(n, r);
+  if (along == 0) return;
+  const Number s = dot(n, c.from_light(p.point)) / along;
+  const Vec3 x = exact.point(p, {nullptr, false, &l, &m, false, false});
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Number is = Number(c.light.at[static_cast<Eigen::Index>(i)]) + r[i] * s;
+    const double got = x[static_cast<Eigen::Index>(i)];
+    const Number largest(std::numeric_limits<double>::max());
+    if (abs(is) >= largest) {
+      EXPECT_TRUE(std::abs(got) >= std::numeric_limits<double>::max());
+      continue;
+    }
+    ASSERT_TRUE(std::isfinite(got)) << "coordinate " << i << " is " << is.get_d() << ", came out as " << got;
+    EXPECT_TRUE(is >= Number(std::nextafter(got, -INFINITY)) && is <= Number(std::nextafter(got, INFINITY)))
+        << "coordinate " << i << " is " << is.get_d() << ", came out as " << got;
   }
+}
+
+TEST(Predicates, Law7PointsAreWithinOneUlp) {
+  for (const double scale : {1.0, 1e-30, 1e30}) for_cases(scale, [](const Case& c, Random&) { check_point(c); });
+}
+
+// Coordinate 0 is -2^51, exactly, and its numerator has 1 400 digits in base two.
+TEST(Predicates, PointAtMinusAPowerOfTwo) {
+  Random random(77269092);
+  check_point(Case(random, 1));
 }
 
 }  // namespace

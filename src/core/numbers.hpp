@@ -160,18 +160,23 @@ class Wide {
     out.exponent_ = a.exponent_ + b.exponent_;
     return out;
   }
-  // To within 2^-10 ulp of rounding correctly; of a subnormal number, within an ulp.
+  // To within 2^-10 ulp of rounding correctly; of a subnormal number, within an ulp. Reckoned without signs: Boost 1.74 may lose that of a
+  // negative number of several limbs when it is shifted down.
   friend double quotient(const Wide& a, const Wide& b) {
     if (a.mantissa_.is_zero()) return 0;
-    const auto bits = [](const boost::multiprecision::cpp_int& m) { return static_cast<std::int64_t>(msb(abs(m))); };
-    const std::int64_t shift = std::max<std::int64_t>(0, 66 - bits(a.mantissa_) + bits(b.mantissa_));
-    boost::multiprecision::cpp_int q = (a.mantissa_ << static_cast<std::size_t>(shift)) / b.mantissa_;
+    using boost::multiprecision::cpp_int;
+    const cpp_int above = abs(a.mantissa_), below = abs(b.mantissa_);
+    const auto bits = [](const cpp_int& m) { return static_cast<std::int64_t>(msb(m)); };
+    const std::int64_t shift = std::max<std::int64_t>(0, 66 - bits(above) + bits(below));
+    cpp_int q = (above << static_cast<std::size_t>(shift)) / below;
     std::int64_t exponent = a.exponent_ - b.exponent_ - shift;
     if (const std::int64_t more = bits(q) - 62; more > 0) {
       q >>= static_cast<std::size_t>(more);
       exponent += more;
     }
-    return std::ldexp(static_cast<double>(static_cast<std::int64_t>(q)), static_cast<int>(std::clamp<std::int64_t>(exponent, -4000, 4000)));
+    const double size =
+        std::ldexp(static_cast<double>(static_cast<std::int64_t>(q)), static_cast<int>(std::clamp<std::int64_t>(exponent, -4000, 4000)));
+    return a.sign() == b.sign() ? size : -size;
   }
 
  private:
