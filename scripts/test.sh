@@ -23,6 +23,8 @@ for fuzzer in fuzz_obj fuzz_build fuzz_edits; do
     -artifact_prefix=build/fuzz/ >"build/fuzz/$fuzzer.log" 2>&1 || { tail -n 40 "build/fuzz/$fuzzer.log"; exit 1; }
   tail -n 1 "build/fuzz/$fuzzer.log"
 done
+echo "the exact kernel's laws, compiled by clang"
+SHADOWCUT_SOAK=30000 build/fuzz/bin/predicates_clang --gtest_brief=1
 
 for preset in "${presets[@]}"; do
   cmake --preset "$preset" -DSHADOWCUT_TESTS=ON >/dev/null

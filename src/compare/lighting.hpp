@@ -52,7 +52,7 @@ class Lighting {
   std::vector<Facing> facing_;
 };
 
-// The tolerance for a scene: the share above of its largest coordinate, from its middle.
+// The share above of the scene's largest coordinate.
 double tolerance_of(const Scene& scene);
 
 }  // namespace shadowcut::compare
