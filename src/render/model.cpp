@@ -85,16 +85,42 @@ Model::Model(const Scene& scene)
   upload(scene);
 }
 
-void Model::scene_changed(const Scene& scene) { upload(scene); }
+void Model::scene_changed(const Scene& scene) {
+  for (const std::uint32_t object : scene.changed_since(known_))
+    if (object >= ranges_.size() || !upload_in_place(scene, object)) return upload(scene);
+  known_ = scene.revision();
+}
+
+// False when the object needs another place: it has another number of triangles, or receives or casts otherwise.
+bool Model::upload_in_place(const Scene& scene, std::uint32_t index) {
+  const Object& object = scene.objects()[index];
+  const Range& range = ranges_[index];
+  const std::size_t part = (object.receives ? 0 : 2) + (object.casts ? 0 : 1);
+  if (range.first < ends_[part] || range.first + range.count > ends_[part + 1]) return false;
+  std::vector<Vertex> vertices;
+  for (std::uint32_t f = object.first_facet; f < object.first_facet + object.facet_count; ++f) append_triangles(*this, scene, f, vertices);
+  if (vertices.size() != static_cast<std::size_t>(range.count)) return false;
+  glBindBuffer(GL_ARRAY_BUFFER, vertices_.get());
+  glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(static_cast<std::size_t>(range.first) * sizeof(Vertex)),
+                  static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data());
+  return true;
+}
 
 void Model::upload(const Scene& scene) {
+  known_ = scene.revision();
+  ranges_.assign(scene.objects().size(), {});
   std::vector<Vertex> vertices;
   std::size_t part = 0;
   for (const auto& [receives, casts] : {std::pair(true, true), {true, false}, {false, true}, {false, false}}) {
     for (std::uint32_t f = 0; f < scene.facets().size(); ++f) {
       if (scene.facets()[f].corner_count == 0) continue;
-      const Object& object = scene.objects()[scene.faces()[scene.facets()[f].face].object];
-      if (object.receives == receives && object.casts == casts) append_triangles(*this, scene, f, vertices);
+      const std::uint32_t index = scene.faces()[scene.facets()[f].face].object;
+      const Object& object = scene.objects()[index];
+      if (object.receives != receives || object.casts != casts) continue;
+      Range& range = ranges_[index];
+      if (range.count == 0) range.first = static_cast<GLint>(vertices.size());
+      append_triangles(*this, scene, f, vertices);
+      range.count = static_cast<GLsizei>(vertices.size()) - range.first;
     }
     ends_[++part] = static_cast<GLsizei>(vertices.size());
   }
@@ -156,6 +182,16 @@ void Model::draw_triangles(bool receivers) const {
 void Model::draw_casters() const {
   glBindVertexArray(array_.get());
   for (const std::size_t part : {0, 2}) glDrawArrays(GL_TRIANGLES, ends_[part], ends_[part + 1] - ends_[part]);
+}
+
+void Model::draw_object(std::uint32_t object) const {
+  glBindVertexArray(array_.get());
+  glDrawArrays(GL_TRIANGLES, ranges_[object].first, ranges_[object].count);
+}
+
+void Model::draw_ranges(std::span<const GLint> firsts, std::span<const GLsizei> counts) const {
+  glBindVertexArray(array_.get());
+  glMultiDrawArrays(GL_TRIANGLES, firsts.data(), counts.data(), static_cast<GLsizei>(firsts.size()));
 }
 
 void Model::draw_ambient(const Frame& frame) const {

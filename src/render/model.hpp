@@ -6,6 +6,8 @@
 
 #include <array>
 #include <shadowcut/scene.hpp>
+#include <span>
+#include <vector>
 
 #include "camera.hpp"
 
@@ -55,17 +57,28 @@ class Model {
   void use_light(const Program& program, const Frame& frame, const Light& light, std::size_t lights) const;
   void draw_triangles(bool receivers) const;
   void draw_casters() const;
+  // Where an object's triangles are in the buffer, facet by facet in the scene's order; and drawing ranges of them.
+  struct Range {
+    GLint first = 0;
+    GLsizei count = 0;
+  };
+  const Range& range_of(std::uint32_t object) const { return ranges_[object]; }
+  void draw_object(std::uint32_t object) const;
+  void draw_ranges(std::span<const GLint> firsts, std::span<const GLsizei> counts) const;
 
   // An array object for a buffer of vertices as above.
   static VertexArray array_of(const Buffer& vertices);
 
  private:
   void upload(const Scene& scene);
+  bool upload_in_place(const Scene& scene, std::uint32_t object);
 
   Vec3 origin_ = Vec3::Zero();
   double radius_ = 1;
   Buffer vertices_;
   VertexArray array_;
+  std::vector<Range> ranges_;  // by object
+  std::uint64_t known_ = 0;
   std::array<GLsizei, 5> ends_{};  // vertices: of faces that receive and cast, only receive, only cast, do neither; first a 0
   Program ambient_, lit_;
 };

@@ -4,8 +4,8 @@
 namespace shadowcut::render {
 
 const std::vector<std::string>& technique_names() {
-  static const std::vector<std::string> names{"fragments",      "stencil-standard", "stencil-zfail",
-                                              "stencil-hybrid", "stencil-kolic",    "shadow-map"};
+  static const std::vector<std::string> names{"fragments",     "stencil-standard", "stencil-zfail", "stencil-hybrid",
+                                              "stencil-kolic", "shadow-texture",   "shadow-map"};
   return names;
 }
 
@@ -15,6 +15,7 @@ std::unique_ptr<Technique> make_technique(const std::string& name, const Scene& 
   if (name == "stencil-zfail") return make_stencil_volumes(scene, model, true);
   if (name == "stencil-hybrid") return make_stencil_hybrid(scene, model);
   if (name == "stencil-kolic") return make_stencil_kolic(scene, model);
+  if (name == "shadow-texture") return make_shadow_texture(scene, model);
   if (name == "shadow-map") return make_shadow_map(scene, model);
   std::string all;
   for (const std::string& known : technique_names()) all += (all.empty() ? "" : ", ") + known;

@@ -5,6 +5,7 @@
 //   stencil-zfail     the same, counted where they fail it: no near plane can cut them
 //   stencil-hybrid    Batagelo & Costa 1999: hidden casters left out by an SVBSP tree, silhouettes, caps at the near plane
 //   stencil-kolic     Kolic et al. 2004: no silhouettes, volumes made in the vertex shader
+//   shadow-texture    Oh & Shin 2005: a texture for each receiver, made with one depth buffer that is kept from frame to frame
 //   shadow-map        a depth map for each light, with the usual bias
 #pragma once
 
@@ -40,6 +41,7 @@ std::unique_ptr<Technique> make_fragments(const Scene& scene, const Model& model
 std::unique_ptr<Technique> make_stencil_volumes(const Scene& scene, const Model& model, bool zfail);
 std::unique_ptr<Technique> make_stencil_hybrid(const Scene& scene, const Model& model);
 std::unique_ptr<Technique> make_stencil_kolic(const Scene& scene, const Model& model);
+std::unique_ptr<Technique> make_shadow_texture(const Scene& scene, const Model& model);
 std::unique_ptr<Technique> make_shadow_map(const Scene& scene, const Model& model);
 
 // A whole picture: ambient light, then one light after another.
