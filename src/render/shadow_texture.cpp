@@ -20,7 +20,7 @@
 namespace shadowcut::render {
 namespace {
 
-constexpr float slope_bias = 1.1f, unit_bias = 4;
+constexpr float slope_bias = 0.1f, rim_slope_bias = 0.5f, unit_bias = 4;
 
 using Clock = std::chrono::steady_clock;
 
@@ -203,6 +203,7 @@ void ShadowTexture::draw_biased(std::uint32_t object, const Receiver& receiver) 
   glEnable(GL_POLYGON_OFFSET_FILL);
   draw_receiver(object, receiver);
   glDisable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(-rim_slope_bias, -unit_bias);
   glEnable(GL_POLYGON_OFFSET_LINE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
   draw_receiver(object, receiver);
