@@ -215,6 +215,9 @@ class Rays {
     const Vec3 seen = (frame.clip.inverse() * ndc).hnormalized(), eye = frame.camera.eye;
     const auto [at, facet] = nearest(eye, seen - eye);
     if (facet == none) return ' ';
+    const Plane& plane = scene_.planes()[scene_.facets()[facet].plane];
+    const Vec3 to_light = light_.kind == Light::Kind::point ? Vec3(light_.at - plane.point) : Vec3(-light_.at);
+    if (plane.normal.dot(to_light) * plane.normal.dot(eye - plane.point) < 0) return 's';
     char all = 0;
     for (int i = -2; i <= 2; ++i)
       for (int j = -2; j <= 2; ++j) {
@@ -271,7 +274,8 @@ class Rays {
   const double texel_;  // its size, at distance one of a point light
 };
 
-// With 2048 texels to a view they are about as large as these pictures' pixels. Where the pictures differ, rays say who is right.
+// With 2048 texels to a view they are about as large as these pictures' pixels. Where the pictures differ, and at some pixels besides, rays
+// say what is right.
 void compare_pictures(const Scene& scene, const render::Camera& camera, const std::string& what) {
   constexpr int width = 480, height = 360;
   const Model model(scene);
@@ -284,19 +288,22 @@ void compare_pictures(const Scene& scene, const render::Camera& camera, const st
     return target.read();
   };
   const Picture textures = picture_by("shadow-texture"), volumes = picture_by("stencil-zfail");
+  model.draw_ambient(frame);
+  const Picture ambient = target.read();
   const Rays rays(scene, (scene.lights()[0].kind == Light::Kind::point ? 1 : model.radius()) * 2 / 2048);
-  int differ = 0, near_edges = 0, wrong = 0;
+  int differ = 0, near_edges = 0, asked = 0, wrong = 0;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      if (contrast(textures.at(x, y), volumes.at(x, y)) <= 12) continue;
-      ++differ;
-      const char right = rays.state_at(frame, x, y);
-      const bool lit = textures.at(x, y)[1] > volumes.at(x, y)[1];
-      near_edges += right == '?';
-      if (right != '?' && right != (lit ? 'l' : 's')) ++wrong;
+      const bool differs = contrast(textures.at(x, y), volumes.at(x, y)) > 12;
+      if (!differs && (x * 7 + y * 13) % 128 != 0) continue;
+      const char right = rays.state_at(frame, x, y), drawn = contrast(textures.at(x, y), ambient.at(x, y)) > 12 ? 'l' : 's';
+      ++asked;
+      differ += differs;
+      near_edges += differs && right == '?';
+      wrong += right != '?' && right != ' ' && right != drawn;
     }
-  std::printf("%s: %d pixels differ (%.3f %%), %d of them within a texel of an edge, %d wrong elsewhere\n", what.c_str(), differ,
-              100.0 * differ / (width * height), near_edges, wrong);
+  std::printf("%s: %d pixels differ (%.3f %%), %d of them within a texel of an edge; of %d pixels asked, %d wrong elsewhere\n",
+              what.c_str(), differ, 100.0 * differ / (width * height), near_edges, asked, wrong);
   EXPECT_LT(differ, width * height / 200) << what;
   EXPECT_EQ(wrong, 0) << what;
 }
