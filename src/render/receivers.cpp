@@ -59,8 +59,8 @@ class Divider {
     });
   }
 
-  // A closed surface with no reflex edge is convex; then nothing else need be asked. Many small tolerances could add up to a large one, so
-  // this one is next to none.
+  // A closed surface with no reflex edge is convex. Many small tolerances could add up to a large dent, which some corners all over the
+  // surface would then show.
   void take_convex_bodies() {
     std::vector<char> seen(object_.facet_count);
     for (std::uint32_t seed = 0; seed < object_.facet_count; ++seed) {
@@ -70,14 +70,22 @@ class Divider {
       bool convex = true;
       for (std::size_t i = 0; i < body.size(); ++i)
         for_each_neighbour(body[i], [&](std::uint32_t g) {
-          convex = convex && beside(body[i], g, 1, tolerance_ * 1e-3);
+          convex = convex && beside(body[i], g, 1, tolerance_);
           if (!seen[g]) seen[g] = 1, body.push_back(g);
         });
-      if (!convex) continue;
+      if (!convex || !behind_samples(body)) continue;
       std::erase_if(body, [this](std::uint32_t f) { return facing_[f] == 0; });
       for (const std::uint32_t f : body) done_[f] = 1;
       add(std::move(body));
     }
+  }
+
+  bool behind_samples(const std::vector<std::uint32_t>& body) const {
+    const std::size_t step = 1 + body.size() / 32;
+    for (const std::uint32_t f : body)
+      for (std::size_t k = 0; k < body.size(); k += step)
+        if (!beside(f, body[k], 1, tolerance_)) return false;
+    return true;
   }
 
   bool beside_each_other(const std::vector<std::uint32_t>& receiver, std::uint32_t g, int side) const {
