@@ -4,15 +4,18 @@
 // (section 3.2).
 //
 // Departures. Receivers are parts of objects that cannot shadow themselves (receivers.hpp). The SZ-buffer itself is the depth buffer, not
-// written to, in place of a copy. A texture has the receiver's rectangle of the view, pixel for pixel. A receiver's outline is drawn too:
-// pixels that it covers but not in their middle would be in shadow.
-// Against self-shadowing the receiver is moved to the light by slope x 1.1 + 4 units (glPolygonOffset), as in shadow-map.
+// written to, in place of a copy. A texture has the receiver's rectangle of the view, pixel for pixel. The edges of its triangles are drawn
+// too: pixels that the receiver covers but not in their middle would be in shadow.
+//
+// The texture's pixels are the SZ-buffer's, so that a receiver never shadows itself, whatever its slope. The bias (glPolygonOffset, to the
+// light) is for others that touch it: slope x 0.1 + 4 units; for edges, which are drawn up to half a pixel off, slope x 0.5 + 4 units.
 //
 // The quadratic method: the receiver in the light colour with a depth buffer of its own, then in the shadow colour whatever is nearer. Its
 // textures are the same to the bit, because both ask of each pixel whether the receiver, moved by its bias, is nearer than the nearest
 // caster.
 #include "shadow_texture.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 #include "receivers.hpp"

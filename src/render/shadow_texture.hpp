@@ -2,8 +2,6 @@
 // Syst. E88-D(3), 2005. Its own header, for the choices that its authors compare.
 #pragma once
 
-#include <optional>
-
 #include "sz_buffer.hpp"
 #include "technique.hpp"
 
