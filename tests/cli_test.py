@@ -786,7 +786,7 @@ class Render(Cli):
         return struct.unpack(">II", content[16:24]), result
 
     def test_every_technique_makes_a_picture(self):
-        for technique in ("fragments", "stencil-standard", "stencil-zfail", "stencil-hybrid", "stencil-kolic", "shadow-map"):
+        for technique in ("fragments", "stencil-standard", "stencil-zfail", "stencil-hybrid", "stencil-kolic", "shadow-texture", "shadow-map"):
             size, _ = self.picture(technique, "--size", "64x48", "--quiet")
             self.assertEqual(size, (64, 48))
 
