@@ -254,6 +254,10 @@ def growth_tables(report):
 WIDTH, HEIGHT, TOP, BOTTOM, LEFT, GAP, PANEL = 1240, 470, 60, 66, 74, 52, 270
 
 
+def short(count):
+    return f"{count / 1e6:g} M" if count >= 1e6 else f"{count / 1e3:g} k" if count >= 1e3 else f"{count:g}"
+
+
 def panel(report, family, left, y, first):
     right = left + PANEL
     points = [p for key, *_ in GROWING for p in points_of(report, family, key)]
@@ -261,7 +265,7 @@ def panel(report, family, left, y, first):
     for value, is_major in x.ticks():
         yield line(x(value), TOP, x(value), HEIGHT - BOTTOM, GRID, 1 if is_major else 0.4)
         if is_major:
-            yield text(x(value), HEIGHT - BOTTOM + 18, count_text(value), "middle", 11.5, SOFT)
+            yield text(x(value), HEIGHT - BOTTOM + 18, short(value), "middle", 11.5, SOFT)
     for value, is_major in y.ticks():
         yield line(left, y(value), right, y(value), GRID, 1 if is_major else 0.4)
         if is_major and first:
