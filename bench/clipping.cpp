@@ -12,7 +12,6 @@ namespace {
 using compare::HalfSpace;
 using compare::Lighting;
 using compare::Polygon;
-using compare::Side;
 
 // A disc around a facet, as the light sees it: directions on the unit sphere, or places across a directional light.
 struct Disc {
@@ -76,19 +75,13 @@ class Clipping {
   // The part of the caster between the receiver and the light, projected.
   void add_shadow(std::uint32_t facet, const HalfSpace& plane) {
     Polygon part = compare::polygon_of(scene_, facet);
-    if (!keep_front(part, plane)) return;
+    if (!keep_front(part, plane, lighting_.tolerance())) return;
     for (const HalfSpace& side : planes_)
-      if (!keep_front(part, side)) return;
+      if (!keep_front(part, side, lighting_.tolerance())) return;
     ClipperLib::Path path;
     for (const auto& corner : part.corners) path.push_back(projected(corner.at, plane));
     if (!ClipperLib::Orientation(path)) ClipperLib::ReversePath(path);
     shadows_.push_back(std::move(path));
-  }
-
-  bool keep_front(Polygon& part, const HalfSpace& plane) const {
-    const compare::Standing standing = compare::stand(part, plane, lighting_.tolerance());
-    if (standing.side == Side::across) part = compare::split(part, standing, {compare::Carrier::Kind::shadow_plane, 0}).front;
-    return standing.side == Side::front || standing.side == Side::across;
   }
 
   ClipperLib::IntPoint projected(const Vec3& x, const HalfSpace& plane) const {

@@ -19,17 +19,9 @@ bool parted(const Volume& volume, const Polygon& polygon, double tolerance) {
          });
 }
 
-// The part inside all planes, if any; the parts outside go to `outside`, if that is asked for.
+// Leaves the part inside all planes, if any; the parts outside go to `outside`, if that is asked for.
 bool inside(const Volume& volume, double tolerance, Polygon& polygon, std::vector<Polygon>* outside) {
-  for (const HalfSpace& plane : volume) {
-    const Standing standing = stand(polygon, plane, tolerance);
-    if (standing.side == Side::back || standing.side == Side::on) return false;
-    if (standing.side == Side::front) continue;
-    Halves halves = split(polygon, standing, {Carrier::Kind::shadow_plane, 0});
-    polygon = std::move(halves.front);
-    if (outside) outside->push_back(std::move(halves.back));
-  }
-  return true;
+  return std::all_of(volume.begin(), volume.end(), [&](const HalfSpace& plane) { return keep_front(polygon, plane, tolerance, outside); });
 }
 
 class Brute : public ShadowVolumes {

@@ -341,11 +341,11 @@ class Merger {
         continue;
       }
       const std::uint32_t surface = tree_.nodes[at].surface, front = tree_.nodes[at].child[0];
-      Standing standing = surface == face ? Standing::contact : tree_.standing(surface, face);
-      if (standing == Standing::crossing) standing = cross(at, pp, rest);
-      if (standing == Standing::crossing) continue;
+      Relation relation = surface == face ? Relation::contact : tree_.relation(surface, face);
+      if (relation == Relation::crossing) relation = cross(at, pp, rest);
+      if (relation == Relation::crossing) continue;
       rest.push_back(front);
-      if (standing == Standing::front) continue;
+      if (relation == Relation::front) continue;
       tree_.add_record(pp, surface);
       tree_.copy_records(at, pp);
       tree_.put(tree_.nodes[at].parent, front);
@@ -354,8 +354,8 @@ class Merger {
     clean_up(seen);
   }
 
-  // A PP-node of the other tree whose polygon crosses that of pp: its standing, if here it is on one side only; or it is divided.
-  Standing cross(std::uint32_t at, std::uint32_t pp, std::vector<std::uint32_t>& rest) {
+  // A PP-node of the other tree whose polygon crosses that of pp: its relation, if here it is on one side only; or it is divided.
+  Relation cross(std::uint32_t at, std::uint32_t pp, std::vector<std::uint32_t>& rest) {
     const std::uint32_t surface = tree_.nodes[at].surface, face = tree_.nodes[pp].surface;
     Outline outline = tree_.surfaces[surface].rays;
     tree_.clip_to(outline, tree_.nodes[at].parent);
@@ -363,11 +363,11 @@ class Merger {
     const Vec3 d = tree_.nearer(surface, face);
     const double tolerance = tree_.touching(surface, face);
     const Sides2 sides = compare::sides_of(outline, d, tolerance);
-    if (outline.empty() || (!sides.both() && sides.side() < 0)) return Standing::behind;
+    if (outline.empty() || (!sides.both() && sides.side() < 0)) return Relation::behind;
     const std::uint32_t above = tree_.nodes[at].parent;
     const bool is_new = tree_.bound_by_crossing(at, pp);
     if (is_new) arc(tree_.nodes[at].parent >> 1) = {};
-    if (!sides.both() || !is_new) return Standing::front;
+    if (!sides.both() || !is_new) return Relation::front;
 
     // In front of the crossing it stays; beyond, only what was in front of it does.
     tree_.add_record(pp, surface);
@@ -387,7 +387,7 @@ class Merger {
     arc(sp) = chord;
     tree_.put(sp * 2 + 1, beyond);
     rest.push_back(front), rest.push_back(beyond);
-    return Standing::crossing;
+    return Relation::crossing;
   }
 
   Svbsp& tree_;

@@ -7,16 +7,6 @@
 #include "reach.hpp"
 
 namespace shadowcut::compare {
-namespace {
-
-Eigen::AlignedBox3d box_of(const Scene& scene) {
-  Eigen::AlignedBox3d box;
-  for (const Facet& facet : scene.facets())
-    for (const Corner& corner : scene.corners_of(facet)) box.extend(scene.vertices()[corner.vertex]);
-  return box;
-}
-
-}  // namespace
 
 double tolerance_of(const Scene& scene) {
   const Eigen::AlignedBox3d box = box_of(scene);

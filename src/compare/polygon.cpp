@@ -51,4 +51,20 @@ Halves split(const Polygon& polygon, const Standing& standing, Carrier cut) {
   return halves;
 }
 
+bool keep_front(Polygon& polygon, const HalfSpace& plane, double tolerance, std::vector<Polygon>* rest) {
+  const Standing standing = stand(polygon, plane, tolerance);
+  if (standing.side != Side::across) return standing.side == Side::front;
+  Halves halves = split(polygon, standing, {Carrier::Kind::shadow_plane, 0});
+  polygon = std::move(halves.front);
+  if (rest) rest->push_back(std::move(halves.back));
+  return true;
+}
+
+Eigen::AlignedBox3d box_of(const Scene& scene) {
+  Eigen::AlignedBox3d box;
+  for (const Facet& facet : scene.facets())
+    for (const Corner& corner : scene.corners_of(facet)) box.extend(scene.vertices()[corner.vertex]);
+  return box;
+}
+
 }  // namespace shadowcut::compare

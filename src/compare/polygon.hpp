@@ -9,6 +9,7 @@
 #include <boost/container/small_vector.hpp>
 #include <cstdint>
 #include <shadowcut/scene.hpp>
+#include <vector>
 
 namespace shadowcut::compare {
 
@@ -53,5 +54,12 @@ struct Halves {
   Polygon front, back;
 };
 Halves split(const Polygon& polygon, const Standing& standing, Carrier cut);
+
+// Leaves of the polygon what is in front of a shadow plane, and hands out the rest, if that is asked for and there are two parts. False,
+// and nothing done, where none of it is in front.
+bool keep_front(Polygon& polygon, const HalfSpace& plane, double tolerance, std::vector<Polygon>* rest = nullptr);
+
+// Of all facets.
+Eigen::AlignedBox3d box_of(const Scene& scene);
 
 }  // namespace shadowcut::compare

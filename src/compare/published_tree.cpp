@@ -5,20 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polygon.hpp"
 #include "reach.hpp"
 #include "svbsp.hpp"
 
 namespace shadowcut::compare {
-namespace {
-
-Eigen::AlignedBox3d box_of(const Scene& scene) {
-  Eigen::AlignedBox3d box;
-  for (const Facet& facet : scene.facets())
-    for (const Corner& c : scene.corners_of(facet)) box.extend(scene.vertices()[c.vertex]);
-  return box;
-}
-
-}  // namespace
 
 const char* name_of(Joining joining) { return joining == Joining::filter ? "filter" : joining == Joining::merge ? "merge" : "reinsert"; }
 
@@ -27,7 +18,6 @@ struct PublishedTree::Impl {
 
   void insert(std::uint32_t object);
   void enter(std::uint32_t facet, bool light_inside);
-  bool is_edge_on(const Facet& facet, Turned turned) const;
   double lit_area(std::uint32_t facet) const;
   double area_of(const Outline& outline, const Vec3& q) const;
 
@@ -39,19 +29,6 @@ struct PublishedTree::Impl {
   std::vector<std::vector<std::uint32_t>> facets_of;  // by object: those that have entered
 };
 
-// A light that is clear of a plane may still see a corner, flat only up to rounding, from its other side.
-bool PublishedTree::Impl::is_edge_on(const Facet& facet, Turned turned) const {
-  if (turned == Turned::edge_on) return true;
-  if (space.far()) return false;
-  const Plane& plane = scene.planes()[facet.plane];
-  const double side = plane.normal.dot(plane.point - light.at) > 0 ? 1 : -1;
-  const auto corners = scene.corners_of(facet);
-  return !std::all_of(corners.begin(), corners.end(), [&](const Corner& c) {
-    const Vec3 ray = scene.vertices()[c.vertex] - light.at;
-    return side * plane.normal.dot(ray) > 2 * (8 * unit_roundoff * ray.stableNorm() + plane.flatness);
-  });
-}
-
 // Which facets enter, and what of them may be lit, is as in the engine.
 void PublishedTree::Impl::enter(std::uint32_t id, bool light_inside) {
   const Facet& facet = scene.facets()[id];
@@ -59,7 +36,8 @@ void PublishedTree::Impl::enter(std::uint32_t id, bool light_inside) {
   const Object& object = scene.objects()[face.object];
   const Plane& plane = scene.planes()[facet.plane];
   const Turned turned = space.turned(plane);
-  if (!within_reach(scene, face, light) || is_edge_on(facet, turned)) return;
+  if (!within_reach(scene, face, light) || turned == Turned::edge_on) return;
+  if (!space.far() && !meets_all_corners(scene, facet, light.at)) return;
   const bool is_far_side = turned == Turned::away && object.sides == Sides::closed;
   if (is_far_side && !light_inside) return;
 

@@ -163,7 +163,7 @@ void Svbsp::copy_records(std::uint32_t from, std::uint32_t to) {
 
 // ---- what is in front of what
 
-Standing Svbsp::standing(std::uint32_t p, std::uint32_t q) const {
+Relation Svbsp::relation(std::uint32_t p, std::uint32_t q) const {
   const Vec3 d = nearer(p, q);
   const double tolerance = touching(p, q);
   Sides2 sides = sides_of(surfaces[p].rays, d, tolerance);
@@ -172,21 +172,21 @@ Standing Svbsp::standing(std::uint32_t p, std::uint32_t q) const {
     for (const Vec3& n : surfaces[q].lines) clip(common, n, 1);
     sides = sides_of(common, d, tolerance);
   }
-  if (sides.both()) return Standing::crossing;
-  return sides.positive ? Standing::front : sides.negative ? Standing::behind : Standing::contact;
+  if (sides.both()) return Relation::crossing;
+  return sides.positive ? Relation::front : sides.negative ? Relation::behind : Relation::contact;
 }
 
 // Corners of a part are rounded, and the part of q's volume that the tree keeps may reach a little beyond the polygon: where they say that
 // the two cross, the polygons have the last word.
-Standing Svbsp::standing(const Outline& part, std::uint32_t p, std::uint32_t q) const {
+Relation Svbsp::relation(const Outline& part, std::uint32_t p, std::uint32_t q) const {
   const Sides2 sides = sides_of(part, nearer(p, q), touching(p, q));
-  if (sides.both()) return standing(p, q);
-  return sides.positive ? Standing::front : sides.negative ? Standing::behind : Standing::contact;
+  if (sides.both()) return relation(p, q);
+  return sides.positive ? Relation::front : sides.negative ? Relation::behind : Relation::contact;
 }
 
 bool Svbsp::bound_by_crossing(std::uint32_t pp, std::uint32_t q) {
   const std::uint32_t surface = nodes[pp].surface, other = nodes[q].surface;
-  if (surface == other || standing(surface, other) != Standing::crossing) return false;
+  if (surface == other || relation(surface, other) != Relation::crossing) return false;
   const Vec3 n = crossing(surface, other);
   for (std::uint32_t up = nodes[pp].parent; !is_top(up) && nodes[up >> 1].owner == pp && nodes[up >> 1].kind == Node::Kind::sp;
        up = nodes[up >> 1].parent) {
@@ -212,16 +212,16 @@ void Svbsp::clip_to_front(Outline& outline, std::uint32_t surface, std::uint32_t
     const std::uint32_t pp = place >> 1, other = nodes[pp].surface;
     if (nodes[pp].kind != Node::Kind::pp) continue;
     if (other == surface) return outline.clear();
-    switch (standing(outline, surface, other)) {
-      case Standing::front:
+    switch (relation(outline, surface, other)) {
+      case Relation::front:
         break;
-      case Standing::crossing:
+      case Relation::crossing:
         clip(outline, nearer(surface, other), 1, touching(surface, other));
         break;
-      case Standing::contact:
+      case Relation::contact:
         add_record(pp, surface);
         return outline.clear();
-      case Standing::behind:
+      case Relation::behind:
         return outline.clear();
     }
   }
@@ -259,12 +259,12 @@ void Svbsp::filter(Item& item) {
       continue;
     }
     const std::uint32_t other = nodes[here].surface;
-    const Standing at = other == item.surface ? Standing::contact : standing(item.outline, item.surface, other);
-    if (at == Standing::front) {
+    const Relation at = other == item.surface ? Relation::contact : relation(item.outline, item.surface, other);
+    if (at == Relation::front) {
       item.place = here * 2;
       continue;
     }
-    if (at != Standing::crossing) {
+    if (at != Relation::crossing) {
       // Its own polygon's PP-node covers all of the polygon here; otherwise it is behind, or touches.
       add_record(here, item.surface);
       if (item.pp != none) open(item, here);

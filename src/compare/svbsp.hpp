@@ -57,7 +57,7 @@ struct Surface {
 };
 
 // How a polygon stands to another where both are on a ray.
-enum class Standing : std::uint8_t { front, behind, contact, crossing };
+enum class Relation : std::uint8_t { front, behind, contact, crossing };
 
 struct Node {
   enum class Kind : std::uint8_t { sp, pp, free } kind = Kind::free;
@@ -116,8 +116,8 @@ class Svbsp {
 
   Vec3 nearer(std::uint32_t p, std::uint32_t q) const { return surfaces[p].q - surfaces[q].q; }  // positive where p is
   double touching(std::uint32_t p, std::uint32_t q) const { return epsilon * (1 + surfaces[p].q_size + surfaces[q].q_size); }
-  Standing standing(std::uint32_t p, std::uint32_t q) const;                       // where both are seen
-  Standing standing(const Outline& part, std::uint32_t p, std::uint32_t q) const;  // of a part of p that lies within q's volume
+  Relation relation(std::uint32_t p, std::uint32_t q) const;                       // where both are seen
+  Relation relation(const Outline& part, std::uint32_t p, std::uint32_t q) const;  // of a part of p that lies within q's volume
   // The plane in which p crosses q, as a plane of p's volume.
   Vec3 crossing(std::uint32_t p, std::uint32_t q) const { return nearer(p, q).normalized(); }
   // Sees to it that p's volume ends where p crosses q, a PP-node above it. True if a plane was added.

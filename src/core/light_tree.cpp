@@ -112,20 +112,6 @@ bool LightTree::holds_light(const Object& object) const {
 // A face that is partly within reach is treated whole.
 bool LightTree::reached(std::uint32_t f) const { return within_reach(scene_, scene_.faces()[f], light_); }
 
-// Whether the rays of all corners certainly meet the plane. A light may be clear of it where it is nearest, and still so near that a corner
-// farther away, which lies on the plane up to rounding, is seen from its other side.
-bool LightTree::meets_all_corners(std::uint32_t i) const {
-  if (space_.far()) return true;  // seen from afar it is all of one piece
-  const Facet& facet = scene_.facets()[i];
-  const Plane& plane = scene_.planes()[facet.plane];
-  const double side = plane.normal.dot(plane.point - light_.at) > 0 ? 1 : -1;
-  const auto corners = scene_.corners_of(facet);
-  return std::all_of(corners.begin(), corners.end(), [&](const Corner& c) {
-    const Vec3 ray = scene_.vertices()[c.vertex] - light_.at;
-    return side * plane.normal.dot(ray) > 2 * (8 * unit_roundoff * ray.stableNorm() + plane.flatness);
-  });
-}
-
 // Whether a facet enters the tree, and how it stands to the light.
 void LightTree::face_facet(std::uint32_t i, bool is_reached, bool light_inside) {
   const Facet& facet = scene_.facets()[i];
@@ -133,7 +119,8 @@ void LightTree::face_facet(std::uint32_t i, bool is_reached, bool light_inside) 
   const Plane& plane = scene_.planes()[facet.plane];
   turned_[i] = space_.turned(plane);
   tables_.grazed[i] = 0;
-  if (turned_[i] != Turned::edge_on && !meets_all_corners(i)) turned_[i] = Turned::edge_on;
+  // Seen from afar a plane is all of one piece.
+  if (turned_[i] != Turned::edge_on && !space_.far() && !meets_all_corners(scene_, facet, light_.at)) turned_[i] = Turned::edge_on;
   if (turned_[i] == Turned::edge_on && tables_.exact) {
     // A light this near to the plane may be on different sides of it and of what its corners' rays meet; then there is no region.
     const auto corners = scene_.corners_of(facet);

@@ -116,7 +116,6 @@ class LightTree final : public LightShadows {
   void build_all();
   void refer_to_scene();
   bool reached(std::uint32_t face) const;
-  bool meets_all_corners(std::uint32_t facet) const;
   void face_facet(std::uint32_t facet, bool reached, bool holds_light);
   bool holds_light(const Object& object) const;
   void face_the_light();

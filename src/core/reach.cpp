@@ -67,6 +67,16 @@ bool within_reach(const Scene& scene, const Face& face, const Light& light) {
 
 // By the winding number: the solid angles of all triangles, signed (Van Oosterom & Strackee 1983), add up to 4 pi inside, to 0 outside, and
 // to something between on the surface: at an edge or a vertex the solid takes up a part of all directions.
+bool meets_all_corners(const Scene& scene, const Facet& facet, const Vec3& light) {
+  const Plane& plane = scene.planes()[facet.plane];
+  const double side = plane.normal.dot(plane.point - light) > 0 ? 1 : -1;
+  const auto corners = scene.corners_of(facet);
+  return std::all_of(corners.begin(), corners.end(), [&](const Corner& c) {
+    const Vec3 ray = scene.vertices()[c.vertex] - light;
+    return side * plane.normal.dot(ray) > 2 * (8 * unit_roundoff * ray.stableNorm() + plane.flatness);
+  });
+}
+
 bool in_or_on_solid(const Scene& scene, const Object& object, const Vec3& p) {
   Eigen::AlignedBox3d box;
   for (std::uint32_t i = 0; i < object.vertex_count; ++i) box.extend(scene.vertices()[object.first_vertex + i]);

@@ -157,7 +157,7 @@ class Hybrid : public Technique {
   Hybrid(const Scene& scene, const Model& model) : scene_(scene), model_(model), volumes_(model) {}
 
   void update() override {
-    if (prepared_ && known_ == scene_.revision()) return;
+    if (known_ == scene_.revision()) return;
     known_ = scene_.revision();
     prepared_ = std::make_unique<Prepared>(scene_);
   }
@@ -267,8 +267,8 @@ class Hybrid : public Technique {
     for (const VolumeOf& volume : volume_of_) {
       Polygon cap;
       for (const Vec3& corner : window) cap.corners.push_back({corner, {Carrier::Kind::shadow_plane, 0}});
-      bool some = keep_front(cap, volume.behind, lighting);
-      for (const HalfSpace& plane : volume.planes) some = some && keep_front(cap, plane, lighting);
+      bool some = keep_front(cap, volume.behind, lighting.tolerance());
+      for (const HalfSpace& plane : volume.planes) some = some && keep_front(cap, plane, lighting.tolerance());
       if (!some) continue;
       corners_.clear();
       for (const compare::PolygonCorner& corner : cap.corners) corners_.push_back(corner.at);
@@ -277,17 +277,11 @@ class Hybrid : public Technique {
     }
   }
 
-  static bool keep_front(Polygon& polygon, const HalfSpace& plane, const Lighting& lighting) {
-    const compare::Standing standing = compare::stand(polygon, plane, lighting.tolerance());
-    if (standing.side == compare::Side::across) polygon = compare::split(polygon, standing, {Carrier::Kind::shadow_plane, 0}).front;
-    return standing.side == compare::Side::front || standing.side == compare::Side::across;
-  }
-
   const Scene& scene_;
   const Model& model_;
   VolumeBuffer volumes_;
   std::unique_ptr<Prepared> prepared_;
-  std::uint64_t known_ = 0;
+  std::optional<std::uint64_t> known_;  // revision of the scene that this is of
   std::vector<std::uint32_t> casters_;  // polygons of the BSP, front to back
   std::vector<std::size_t> node_ends_;
   std::vector<VolumeOf> volume_of_;
