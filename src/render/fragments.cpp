@@ -4,6 +4,7 @@
 // The conforming form: the rasteriser would leave cracks at T-junctions. The ambient picture below them is made of whole faces, so
 // fragments are drawn a little in front of it.
 #include <algorithm>
+#include <map>
 #include <unordered_map>
 
 #include "technique.hpp"

@@ -1,9 +1,7 @@
 // The depth map that everyone knows: L. Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978. For a point light a cube of
 // six images, for a directional one an image as large as the scene. Against self-shadowing, what is drawn is moved away from the light by
 // slope x 1.1 + 4 units (glPolygonOffset), and what is looked up half a texel off its face.
-#include <array>
-
-#include "casters.hpp"
+#include "light_projection.hpp"
 #include "technique.hpp"
 
 namespace shadowcut::render {
@@ -56,7 +54,7 @@ class ShadowMap : public Technique {
         framebuffer_(make_framebuffer()) {}
 
   void update() override {
-    if (known_ == scene_.revision() && !maps_.empty()) return;
+    if (known_ == scene_.revision()) return;
     known_ = scene_.revision();
     GLint before = 0, viewport[4];
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &before);
@@ -102,16 +100,6 @@ class ShadowMap : public Technique {
     float nearest = 0, texel = 0;  // texel: its size, at distance one of a point light
   };
 
-  // Depth 1 - nearest / distance: an infinite projection.
-  static Mat4f cube_face(const Vec3f& at, const Vec3f& right, const Vec3f& up, const Vec3f& forward, float nearest) {
-    Mat4f view = Mat4f::Identity();
-    view.row(0).head<3>() = right, view.row(1).head<3>() = up, view.row(2).head<3>() = -forward;
-    view.topRightCorner<3, 1>() = -(view.topLeftCorner<3, 3>() * at);
-    Mat4f projection = Mat4f::Zero();
-    projection(0, 0) = projection(1, 1) = 1, projection(2, 2) = -1, projection(2, 3) = -2 * nearest, projection(3, 2) = -1;
-    return projection * view;
-  }
-
   Map map_of(const Light& light) {
     const bool point = light.kind == Light::Kind::point;
     const GLenum kind = point ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D;
@@ -130,14 +118,9 @@ class ShadowMap : public Technique {
     return map;
   }
 
-  // The directions in which OpenGL has a cube's faces.
   void draw_cube(const Light& light, const Map& map) {
-    const Vec3f x = Vec3f::UnitX(), y = Vec3f::UnitY(), z = Vec3f::UnitZ();
-    const std::array<std::array<Vec3f, 3>, 6> faces{{{-z, -y, x}, {z, -y, -x}, {x, z, y}, {x, -z, -y}, {x, -y, z}, {-x, -y, -z}}};
-    for (GLenum face = 0; face < 6; ++face) {
-      const auto& [right, up, forward] = faces[face];
-      draw_depths(GL_TEXTURE_CUBE_MAP_POSITIVE_X + face, map, cube_face(model_.shifted(light.at), right, up, forward, map.nearest));
-    }
+    GLenum face = GL_TEXTURE_CUBE_MAP_POSITIVE_X;
+    for (const CubeAxes& axes : cube_axes()) draw_depths(face++, map, cube_face(model_.shifted(light.at), axes, map.nearest));
   }
 
   void draw_sheet(const Light& light, Map& map) {
@@ -170,8 +153,8 @@ class ShadowMap : public Technique {
   const Model& model_;
   Program depth_, cube_lit_, flat_lit_;
   Framebuffer framebuffer_;
-  std::vector<Map> maps_;  // by light
-  std::uint64_t known_ = 0;
+  std::vector<Map> maps_;               // by light
+  std::optional<std::uint64_t> known_;  // revision of the scene that this is of
 };
 
 }  // namespace

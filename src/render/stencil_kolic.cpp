@@ -4,10 +4,11 @@
 // where the depth test fails, INCR where it passes, under the write mask 1101b, so that the second bit never comes to be; a pixel once
 // marked 1100b, both a pass and a failure, is left alone.
 //
-// Departures. Sides end at infinity, and an eighth triangle closes the volume there: without it a ray of the eye that hits a surface before or
-// within a volume and never leaves it fails the depth test once, not twice, and what that leaves in the stencil buffer makes a shadow of the
-// next volume in front, which two sides should have left as it was. Section 3.2's mask is also the mask of the comparison. Nothing is said of a
-// camera within a volume: only one side of it is then seen, and what lies in it comes out wrong (tests/render_test.cpp has the case).
+// Departures. Sides end at infinity, and an eighth triangle closes the volume there: without it a ray of the eye that hits a surface before
+// or within a volume and never leaves it fails the depth test once, not twice, and what that leaves in the stencil buffer makes a shadow of
+// the next volume in front, which two sides should have left as it was. Section 3.2's mask is also the mask of the comparison. Nothing is
+// said of a camera within a volume: only one side of it is then seen, and what lies in it comes out wrong (tests/render_test.cpp has the
+// case).
 #include "technique.hpp"
 
 namespace shadowcut::render {
@@ -48,7 +49,7 @@ class Kolic : public Technique {
   }
 
   void update() override {
-    if (known_ == scene_.revision() && count_ != 0) return;
+    if (known_ == scene_.revision()) return;
     known_ = scene_.revision();
     std::vector<VolumeVertex> vertices;
     for (const Facet& facet : scene_.facets()) {
@@ -112,7 +113,7 @@ class Kolic : public Technique {
   Buffer buffer_;
   VertexArray array_;
   GLsizei count_ = 0;
-  std::uint64_t known_ = 0;
+  std::optional<std::uint64_t> known_;  // revision of the scene that this is of
 };
 
 }  // namespace

@@ -21,7 +21,7 @@ class StencilVolumes : public Technique {
   StencilVolumes(const Scene& scene, const Model& model, bool zfail) : scene_(scene), model_(model), zfail_(zfail) {}
 
   void update() override {
-    if (known_ == scene_.revision() && !lights_.empty()) return;
+    if (known_ == scene_.revision()) return;
     known_ = scene_.revision();
     lights_.clear();
     shadow_polygons_ = 0;
@@ -53,7 +53,7 @@ class StencilVolumes : public Technique {
   const Scene& scene_;
   const Model& model_;
   const bool zfail_;
-  std::uint64_t known_ = 0;
+  std::optional<std::uint64_t> known_;  // revision of the scene that this is of
   std::vector<VolumeBuffer> lights_;
   double shadow_polygons_ = 0;  // sides, of all lights
 };

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "light_projection.hpp"
+
 namespace shadowcut::render {
 namespace {
 
@@ -45,23 +47,6 @@ struct Bounds {
     return {low(box.min().x()), low(box.min().y()), high(box.max().x()), high(box.max().y())};
   }
 };
-
-// Depth 1 - nearest / distance: an infinite projection.
-Mat4f cube_face(const Vec3f& at, const std::array<Vec3f, 3>& axes, float nearest) {
-  const auto& [right, up, forward] = axes;
-  Mat4f view = Mat4f::Identity();
-  view.row(0).head<3>() = right, view.row(1).head<3>() = up, view.row(2).head<3>() = -forward;
-  view.topRightCorner<3, 1>() = -(view.topLeftCorner<3, 3>() * at);
-  Mat4f projection = Mat4f::Zero();
-  projection(0, 0) = projection(1, 1) = 1, projection(2, 2) = -1, projection(2, 3) = -2 * nearest, projection(3, 2) = -1;
-  return projection * view;
-}
-
-// The directions in which OpenGL has a cube's faces: right, up, forward.
-std::array<std::array<Vec3f, 3>, 6> cube_axes() {
-  const Vec3f x = Vec3f::UnitX(), y = Vec3f::UnitY(), z = Vec3f::UnitZ();
-  return {{{-z, -y, x}, {z, -y, -x}, {x, z, y}, {x, -z, -y}, {x, -y, z}, {-x, -y, -z}}};
-}
 
 // Rows: to the right, up, and along the light. Seen along the light it is no mirror image.
 Eigen::Matrix3f sheet_axes(const Light& light) {
@@ -254,45 +239,43 @@ void SzBuffer::make_layers() {
   require_no_error("making a light's depth buffers");
 }
 
-void SzBuffer::update() {
-  if (views_.afresh() || layers_.size() != views_.size()) return make_anew();
-  const KeptBinding kept;
-  drawn_ = 0;
-  for (std::size_t view = 0; view < views_.size(); ++view) {
-    begin(view);
-    erase(view);
-    draw_uncovered(view);
-    keep_static(view);
-    draw_moving(view);
-  }
-  require_no_error("bringing a light's depth buffer up to date");
-}
-
-void SzBuffer::make_anew() {
+template <class Draw>
+void SzBuffer::draw_views(const Draw& draw_view) {
   const KeptBinding kept;
   make_layers();
   drawn_ = 0;
   for (std::size_t view = 0; view < views_.size(); ++view) {
     begin(view);
+    draw_view(view);
+  }
+  require_no_error("drawing a light's depth buffer");
+}
+
+void SzBuffer::update() {
+  if (views_.afresh() || layers_.size() != views_.size()) return make_anew();
+  draw_views([this](std::size_t view) {
+    erase(view);
+    draw_uncovered(view);
+    keep_static(view);
+    draw_moving(view);
+  });
+}
+
+void SzBuffer::make_anew() {
+  draw_views([this](std::size_t view) {
     glClear(GL_DEPTH_BUFFER_BIT);
     for (std::uint32_t object = 0; object < views_.object_count(); ++object)
       if (!views_.moves(object)) draw(view, object);
     copy_depths(rendering_, standing_, {0, 0, views_.side(), views_.side()});
     draw_moving(view);
-  }
-  require_no_error("making a light's depth buffer");
+  });
 }
 
 void SzBuffer::make_rendering() {
-  const KeptBinding kept;
-  make_layers();
-  drawn_ = 0;
-  for (std::size_t view = 0; view < views_.size(); ++view) {
-    begin(view);
+  draw_views([this](std::size_t view) {
     glClear(GL_DEPTH_BUFFER_BIT);
     for (std::uint32_t object = 0; object < views_.object_count(); ++object) draw(view, object);
-  }
-  require_no_error("making a light's depth buffer");
+  });
 }
 
 void SzBuffer::begin(std::size_t view) const {

@@ -113,6 +113,8 @@ class SzBuffer {
     Texture rendering, standing;
   };
   void make_layers();
+  template <class Draw>
+  void draw_views(const Draw& draw_view);
   void begin(std::size_t view) const;
   void erase(std::size_t view) const;
   void draw_uncovered(std::size_t view);

@@ -9,8 +9,8 @@
 //   shadow-map        a depth map for each light, with the usual bias
 #pragma once
 
-#include <map>
 #include <memory>
+#include <optional>
 #include <shadowcut/shadows.hpp>
 #include <string>
 #include <vector>
