@@ -23,7 +23,7 @@ class FragmentBuffer {
  public:
   void clear() {
     places_.clear(), free_.clear(), vertices_.clear();
-    ranges_.clear(), whole_ = true;
+    ranges_.clear(), capacity_ = 0;
   }
 
   void remove(const FragmentId& id) {
@@ -53,10 +53,9 @@ class FragmentBuffer {
   // Uploads what has changed: all where the buffer has to grow. Returns the bytes.
   std::size_t upload() {
     glBindBuffer(GL_ARRAY_BUFFER, buffer_.get());
-    if (whole_ || vertices_.size() > capacity_) {
+    if (vertices_.size() > capacity_) {
       capacity_ = vertices_.size() + vertices_.size() / 2;
       glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(capacity_ * sizeof(Vertex)), nullptr, GL_DYNAMIC_DRAW);
-      whole_ = false;
       ranges_.assign(1, {0, vertices_.size()});
     }
     std::size_t bytes = 0;
@@ -87,11 +86,10 @@ class FragmentBuffer {
   Buffer buffer_ = make_buffer();
   VertexArray array_ = Model::array_of(buffer_);
   std::vector<Vertex> vertices_;
-  std::size_t capacity_ = 0;
+  std::size_t capacity_ = 0;  // of the driver's buffer, in vertices
   std::unordered_map<FragmentId, Range, IdHash> places_;
   std::map<std::size_t, std::vector<std::size_t>> free_;  // first vertices of holes, by size
   std::vector<Range> ranges_;                             // changed since the last upload
-  bool whole_ = true;
 };
 
 class Fragments : public Technique {
