@@ -404,10 +404,12 @@ ExactOracle::State ExactOracle::state_at(std::uint32_t facet, const Place& x, st
   bool shadowed = false, doubtful = false;
   for (std::uint32_t c = 0; c < seen_.size(); ++c) {
     const Seen& caster = seen_[c];
-    if (c == facet || !caster.casts || sign_at(caster.plane) * caster.at_light >= 0) continue;  // its plane is not between
+    if (c == facet || !caster.casts) continue;
+    const int between = -sign_at(caster.plane) * caster.at_light;
+    if (between < 0 || (between == 0 && is_zero(cross(caster.plane.n, seen_[facet].plane.n)))) continue;
     bool inside = false, touched = false;
     for (const Cone& cone : caster.cones) {
-      int least = 1;
+      int least = between;  // where the two planes meet, the caster's shadow ends
       for (const Quad& wall : cone.walls) least = std::min(least, sign_at(wall));
       inside = inside || least > 0;
       touched = touched || least == 0;

@@ -81,6 +81,23 @@ TEST(ExactOracle, ContactIsNotOcclusion) {
   EXPECT_EQ(lit_area(oracle, raised), 1);
 }
 
+// Light arrives along the line on which a sheet stands, however it is shadowed on both sides of it; so no place on the line tells of
+// either.
+TEST(ExactOracle, WhereACasterMeetsTheReceiverIsABoundary) {
+  Scene scene;
+  const auto wall = add(scene, rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
+  add(scene, rectangle({1, 1, 0}, {2, 0, 2}, {0, 2, 0}));
+  add(scene, rectangle({1, 1, 0}, {0, 2, 0}, {-1, 0, 1}));
+  add(scene, rectangle({2, 0, 0}, {1, 0, 0}, {0, 1, 0}));  // in its plane
+  const ExactOracle oracle(scene, Light::directional({0, 0, -1}));
+  const auto state_at = [&](double x, double y) { return oracle.state_at(wall, oracle.place(wall, oracle.ray({x, y, 0}))); };
+  EXPECT_EQ(state_at(0.5, 1.5), State::shadowed);
+  EXPECT_EQ(state_at(1, 1.5), State::on_boundary);
+  EXPECT_EQ(state_at(1.5, 1.5), State::shadowed);
+  EXPECT_EQ(state_at(1, 0.5), State::lit);
+  EXPECT_EQ(state_at(2.5, 0.5), State::lit);
+}
+
 TEST(ExactOracle, LightInThePlaneSeesItEdgeOn) {
   Scene scene;
   const auto square = add(scene, rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
