@@ -447,8 +447,21 @@ Vec3 to_grid(const Vec3& v) {
   return v.unaryExpr([](double x) { return scenes::to_grid(x); });
 }
 
+// The same faces, each as a fan of triangles.
+Mesh triangulated(const Mesh& mesh) {
+  Mesh parts;
+  parts.vertices = mesh.vertices;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    const auto loop = mesh.loop(f, 0);
+    for (std::size_t i = 2; i < loop.size(); ++i) parts.add_face({loop[0], loop[i - 1], loop[i]});
+  }
+  return parts;
+}
+
 struct Twig {
   SceneData& data;
+  bool triangles = false;  // of the wood; leaves always are
+  std::size_t most_leaves = std::string::npos;
   Random random{31};
   std::size_t twigs = 0, leaves = 0;
 
@@ -458,11 +471,13 @@ struct Twig {
     const Vec3 other = along.cross(side).normalized() * radius;
     const Vec3 u = to_grid(side), v = to_grid(Vec3(0.5 * side + 0.8660254 * other));
     // Seen along the twig the outline turns left; a prism's base must turn left seen from outside, which is from behind the start.
-    add(data, prism({from + u, from + u - v, from - v, from - u, from + v - u, from + v}, along), numbered("twig", ++twigs));
+    const Mesh wood = prism({from + u, from + u - v, from - v, from - u, from + v - u, from + v}, along);
+    add(data, triangles ? triangulated(wood) : wood, numbered("twig", ++twigs));
   }
 
   // Two triangles folded along the midrib.
   void add_leaf(const Vec3& from, const Vec3& along) {
+    if (leaves == most_leaves) return;
     const Vec3 across = to_grid(Vec3(along.cross(random.in_ball(1)).normalized() * (0.3 * along.norm())));
     const Vec3 lift = to_grid(Vec3(along.cross(across).normalized() * (0.12 * along.norm())));
     Mesh mesh;
@@ -498,6 +513,176 @@ SceneData branch(int levels) {
 
 namespace {
 
+// Four quads around the middle, or as many as n says along a side.
+Mesh tiled_ground(double reach, double z, int n = 2) {
+  Mesh mesh;
+  const double step = 2 * reach / n;
+  for (int k = 0; k < n * n; ++k) append(mesh, rectangle({-reach + k % n * step, -reach + k / n * step, z}, {step, 0, 0}, {0, step, 0}));
+  return mesh;
+}
+
+// A convex solid of points whose faces are given as loops, seen from outside counter-clockwise.
+Mesh solid(const Vec3& at, double scale, const std::vector<Vec3>& points, const std::vector<std::vector<std::uint32_t>>& faces) {
+  Mesh mesh;
+  for (const Vec3& p : points) mesh.vertices.push_back(at + scale * p);
+  for (const std::vector<std::uint32_t>& face : faces) mesh.add_face(face);
+  return mesh;
+}
+
+// The hull of points whose faces lie in planes normal . p = greatest, for each of the normals; exact for whole numbers.
+Mesh hull(const Vec3& at, double scale, const std::vector<Vec3>& points, const std::vector<Vec3>& normals) {
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (const Vec3& normal : normals) {
+    double greatest = normal.dot(points[0]);
+    for (const Vec3& p : points) greatest = std::max(greatest, normal.dot(p));
+    std::vector<std::uint32_t> face;
+    Vec3 middle = Vec3::Zero();
+    for (std::uint32_t i = 0; i < points.size(); ++i)
+      if (normal.dot(points[i]) == greatest) face.push_back(i), middle += points[i];
+    middle /= static_cast<double>(face.size());
+    const Vec3 u = points[face[0]] - middle, v = normal.cross(u);
+    std::sort(face.begin(), face.end(), [&](std::uint32_t a, std::uint32_t b) {
+      const auto turn = [&](std::uint32_t i) {
+        const Vec3 d = points[i] - middle;
+        return std::atan2(d.dot(v) / v.norm(), d.dot(u) / u.norm());
+      };
+      return turn(a) < turn(b);
+    });
+    faces.push_back(std::move(face));
+  }
+  return solid(at, scale, points, faces);
+}
+
+// All points (or normals) that signs and the six orders of its coordinates make of one.
+std::vector<Vec3> all_of(const Vec3& one) {
+  std::vector<Vec3> all;
+  std::array<double, 3> x{one.x(), one.y(), one.z()};
+  std::sort(x.begin(), x.end());
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      const Vec3 p(signs & 1 ? -x[0] : x[0], signs & 2 ? -x[1] : x[1], signs & 4 ? -x[2] : x[2]);
+      if (std::find(all.begin(), all.end(), p) == all.end()) all.push_back(p);
+    }
+  } while (std::next_permutation(x.begin(), x.end()));
+  return all;
+}
+
+std::vector<Vec3> together(std::vector<Vec3> a, const std::vector<Vec3>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+// Twelve vertices at (0, 1, golden ratio) and its turns; triangles, so that rounding leaves them flat.
+Mesh icosahedron(const Vec3& at, double scale) {
+  constexpr double g = 1.6180339887498949;
+  std::vector<Vec3> points;
+  for (int k = 0; k < 3; ++k)
+    for (int signs = 0; signs < 4; ++signs) {
+      Vec3 p = Vec3::Zero();
+      p[(k + 1) % 3] = signs & 1 ? -1 : 1, p[(k + 2) % 3] = signs & 2 ? -g : g;
+      points.push_back(to_grid(p));
+    }
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::uint32_t a = 0; a < 12; ++a)
+    for (std::uint32_t b = a + 1; b < 12; ++b)
+      for (std::uint32_t c = a + 1; c < 12; ++c) {
+        const auto near = [&](std::uint32_t i, std::uint32_t j) { return (points[i] - points[j]).norm() < 2.1; };
+        if (b == c || !near(a, b) || !near(b, c) || !near(c, a)) continue;
+        if ((points[b] - points[a]).cross(points[c] - points[a]).dot(points[a]) > 0) faces.push_back({a, b, c});
+      }
+  return solid(at, scale, points, faces);
+}
+
+}  // namespace
+
+SceneData sphere256() {
+  SceneData data;
+  data.name = "sphere256";
+  data.light = Light::point({1.73, -1.21, 3.93});
+  add(data, tiled_ground(3, 0), "ground");
+  add(data, uv_sphere({0, 0, 1.25}, 0.75, 14, 10), "sphere");
+  return data;
+}
+
+SceneData solids96() {
+  SceneData data;
+  data.name = "solids96";
+  data.light = Light::point({0.87, -1.13, 4.71});
+  const std::vector<Vec3> axes = all_of({1, 0, 0}), corners = all_of({1, 1, 1});
+  add(data, rectangle({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}), "ground");
+  add(data, hull({-1.75, -1.5, 0.5}, 0.5, corners, axes), "cube");
+  add(data, hull({0, -1.75, 0.75}, 0.75, axes, corners), "octahedron");
+  const std::vector<Vec3> four{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  const std::vector<Vec3> against{{-1, -1, -1}, {-1, 1, 1}, {1, -1, 1}, {1, 1, -1}};
+  add(data, hull({1.75, -1.5, 0.625}, 0.5, four, against), "tetrahedron.1");
+  add(data, hull({0.125, 1.875, 0.375}, 0.375, against, four), "tetrahedron.2");
+  add(data, hull({-2, 0.25, 0.5}, 0.5, all_of({1, 1, 0}), together(axes, corners)), "cuboctahedron");
+  add(data, hull({0, 0, 1.25}, 0.5, together(corners, all_of({2, 0, 0})), all_of({1, 1, 0})), "rhombic_dodecahedron");
+  add(data, hull({1.75, 0.25, 0.75}, 0.25, all_of({2, 1, 0}), together(axes, corners)), "truncated_octahedron");
+  add(data, icosahedron({-1.5, 1.75, 1}, 0.375), "icosahedron");
+  const std::vector<Vec3> ring{{2, 1, 0}, {1, 2, 0}, {-1, 1, 0}, {-2, -1, 0}, {-1, -2, 0}, {1, -1, 0}};
+  std::vector<Vec3> base;
+  for (const Vec3& p : ring) base.push_back(Vec3(2, 1.875, 0) + 0.25 * p);
+  std::reverse(base.begin(), base.end());
+  add(data, prism(base, {0, 0, 1.25}), "prism");
+  add(data,
+      solid({1.125, 1, 0}, 0.375, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, 2}},
+            {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}),
+      "pyramid");
+  return data;
+}
+
+SceneData tetrahedra752(int number) {
+  SceneData data = tetrahedron(3);
+  data.name = "tetrahedra752_" + std::to_string(number);
+  Mesh whole = std::move(data.objects[1].first), mesh;
+  data.objects.clear();
+  // 64 parts; 41 of them, taken evenly, become four each: 187 of four faces.
+  for (std::uint32_t k = 0; k < 64; ++k) {
+    const std::array<Vec3, 4> corners{whole.vertices[4 * k], whole.vertices[4 * k + 1], whole.vertices[4 * k + 2],
+                                      whole.vertices[4 * k + 3]};
+    divide(mesh, corners, (k + 1) * 41 / 64 > k * 41 / 64 ? 1 : 0);
+  }
+  add(data, tiled_ground(3, number == 1 ? -0.25 : 1), "ground");
+  add(data, std::move(mesh), "tetrahedron");
+  return data;
+}
+
+SceneData cubes1502() {
+  SceneData data;
+  data.name = "cubes1502";
+  data.light = Light::point({2.37, -3.19, 7.53});
+  add(data, triangulated(rectangle({-4, -4, 0}, {8, 0, 0}, {0, 8, 0})), "ground");
+  for (int k = 0; k < 125; ++k) {
+    const Vec3 lo = Vec3(k % 5, k / 5 % 5, k / 25) * 0.75 + Vec3(-1.75, -1.75, 0.5);
+    add(data, triangulated(box(lo, lo + Vec3(0.5, 0.5, 0.5))), numbered("cube", static_cast<std::size_t>(k + 1)));
+  }
+  return data;
+}
+
+SceneData branch2878() {
+  SceneData data;
+  data.name = "branch2878";
+  data.light = Light::point({1.13, -0.91, 4.7});
+  add(data, rectangle({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}), "ground");
+  Twig{data, true, 229}.grow({0, 0, 0}, {0.125, 0.0625, 1}, 0.0625, 5);
+  return data;
+}
+
+SceneData spheres2037(std::uint32_t count) {
+  SceneData data = spheres(count, 55, 38);
+  data.name = "spheres2037_" + std::to_string(count);
+  return data;
+}
+
+const std::vector<std::string>& image_space_scenes() {
+  static const std::vector<std::string> names{"sphere256", "solids96",   "tetrahedra752:1", "tetrahedra752:2",
+                                              "cubes1502", "branch2878", "spheres2037:100", "spheres2037:300"};
+  return names;
+}
+
+namespace {
+
 // Whole numbers with commas between; nothing when there is anything else.
 std::vector<std::uint32_t> sizes_of(std::string_view text) {
   std::vector<std::uint32_t> sizes;
@@ -519,6 +704,12 @@ SceneData named(const std::string& name) {
   const std::string kind = name.substr(0, colon);
   const std::vector<std::uint32_t> n = sizes_of(std::string_view(name).substr(std::min(colon + 1, name.size())));
   if (name == "furnished_room") return furnished_room();
+  if (name == "sphere256") return sphere256();
+  if (name == "solids96") return solids96();
+  if (name == "cubes1502") return cubes1502();
+  if (name == "branch2878") return branch2878();
+  if (kind == "tetrahedra752" && n.size() == 1 && n[0] <= 2) return tetrahedra752(static_cast<int>(n[0]));
+  if (kind == "spheres2037" && n.size() == 1) return spheres2037(n[0]);
   if (kind == "spheres" && n.size() == 3) return spheres(n[0], n[1], n[2]);
   if (kind == "spheres" && n.size() == 1) return spheres(n[0], 64, 33);
   if (kind == "slater" && n.size() == 1 && n[0] >= 1 && n[0] <= 10) return slater_room(static_cast<int>(n[0]));
@@ -528,7 +719,9 @@ SceneData named(const std::string& name) {
   if (kind == "triangles" && n.size() == 1) return triangles(n[0]);
   if (kind == "branch" && n.size() == 1 && n[0] <= 10) return branch(static_cast<int>(n[0]));
   throw Error("there is no scene '" + name +
-              "' (room:4, slater:10, furnished_room, tetrahedron:3, city:100, spheres:25, triangles:1000, branch:3)");
+              "' (room:4, slater:10, furnished_room, tetrahedron:3, city:100, spheres:25, triangles:1000, branch:3, sphere256, solids96, "
+              "tetrahedra752:1, cubes1502, "
+              "branch2878, spheres2037:100)");
 }
 
 }  // namespace shadowcut::scenes

@@ -71,8 +71,22 @@ SceneData triangles(std::uint32_t n);
 // A twig: hexagonal prisms that grow out of one another (their faces cross), with folded two-sided leaves.
 SceneData branch(int levels);
 
+// The scenes of Batagelo & Costa 1999, figures 4 to 8, with their numbers of polygons: 256, 96, 752, 752 and 1502, the ground among them.
+// What the polygons are is not printed: here a sphere, nine solids, a recursive tetrahedron a third of whose parts are divided once more
+// (its ground below it, or above all but its top: which is all that is said of their two scenes), and five by five by five cubes.
+SceneData sphere256();
+SceneData solids96();
+SceneData tetrahedra752(int number);  // 1, 2
+SceneData cubes1502();
+// Kolic et al. 2004, figure 5: a branch of 2 878 triangles, open prisms of wood and folded leaves, and a ground face.
+SceneData branch2878();
+// Oh & Shin 2005, section 4: spheres of 2 037 vertices each (4 070 triangles) above a ground face.
+SceneData spheres2037(std::uint32_t count);
+// The scenes above of those three papers, by name.
+const std::vector<std::string>& image_space_scenes();
+
 // One of the above by its name: room:4, slater:10, furnished_room, tetrahedron:3, city:100, spheres:25 (or spheres:5,12,8), triangles:1000,
-// branch:3. Throws Error when there is none.
+// branch:3, sphere256, solids96, tetrahedra752:1, cubes1502, branch2878, spheres2037:100. Throws Error when there is none.
 SceneData named(const std::string& name);
 
 }  // namespace shadowcut::scenes
