@@ -55,11 +55,21 @@ struct RenderArguments {
   bool quiet = false;
 };
 
+struct ViewArguments {
+  std::string scene;  // empty: the furnished room
+  std::vector<std::string> lights;
+  std::string technique = "fragments", camera;  // no camera: one is chosen
+  int width = 1024, height = 768;
+  io::ReadOptions reading;
+  bool quiet = false;
+};
+
 // All throw Error, or another std::exception, and then have left no output behind.
 void cast(const CastArguments& arguments);
 void inspect(const InspectArguments& arguments);
 void compare_algorithms(const CompareArguments& arguments);
 void render_picture(const RenderArguments& arguments);
+void view_scene(const ViewArguments& arguments);
 // Returns an empty string, or, with `verify`, a sentence that says where an update differs from a rebuild.
 std::string replay(const ReplayArguments& arguments);
 

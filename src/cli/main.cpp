@@ -46,15 +46,34 @@ void add_reading(CLI::App& command, io::ReadOptions& reading) {
       ->type_name("TOL");
 }
 
-// What all commands that cast have in common.
 template <typename Arguments>
-void add_lit_scene(CLI::App& command, Arguments& a) {
+void add_scene(CLI::App& command, Arguments& a) {
   command.add_option("SCENE", a.scene, "Scene file: .obj .ply .off .stl .gltf .glb .dae .fbx .ifc and others")->required();
   add_list(command, "--light", a.lights, "point:x,y,z or sun:dx,dy,dz (direction of travel); none: the scene's own lights")
       ->type_name("SPEC");
   add_reading(command, a.reading);
-  command.add_option("--json", a.json, "Summary; - is standard output")->type_name("FILE");
   command.add_flag("--quiet", a.quiet, "Say nothing but errors");
+}
+
+// What all commands that cast have in common.
+template <typename Arguments>
+void add_lit_scene(CLI::App& command, Arguments& a) {
+  add_scene(command, a);
+  command.add_option("--json", a.json, "Summary; - is standard output")->type_name("FILE");
+}
+
+// What render and view have in common: `view` can do without any of it.
+template <typename Arguments>
+void add_picture(CLI::App& command, Arguments& a, bool required) {
+  std::string names;
+  for (const std::string& name : render::technique_names()) names += (names.empty() ? "" : ", ") + name;
+  command.add_option("--technique", a.technique, names)->required(required)->type_name("T");
+  command.add_option("--camera", a.camera, "ex,ey,ez,tx,ty,tz[,fov in degrees]: from where to where it looks")
+      ->required(required)
+      ->type_name("CAMERA");
+  const auto set_size = [&a](const std::string& text) { std::tie(a.width, a.height) = parse_size(text); };
+  const std::string size = std::to_string(a.width) + "x" + std::to_string(a.height);
+  command.add_option_function<std::string>("--size", set_size, "Pixels (" + size + ")")->type_name("WxH");
 }
 
 // What cast and replay have in common.
@@ -121,15 +140,15 @@ void add_compare(CLI::App& app, CompareArguments& a) {
 void add_render(CLI::App& app, RenderArguments& a) {
   CLI::App& command = *app.add_subcommand("render", "Draw a scene with OpenGL, its shadows by one of several techniques");
   add_lit_scene(command, a);
-  std::string names;
-  for (const std::string& name : render::technique_names()) names += (names.empty() ? "" : ", ") + name;
-  command.add_option("--technique", a.technique, names)->required()->type_name("T");
-  command.add_option("--camera", a.camera, "ex,ey,ez,tx,ty,tz[,fov in degrees]: from where to where it looks")
-      ->required()
-      ->type_name("CAMERA");
-  const auto set_size = [&a](const std::string& text) { std::tie(a.width, a.height) = parse_size(text); };
-  command.add_option_function<std::string>("--size", set_size, "Pixels (640x480)")->type_name("WxH");
+  add_picture(command, a, true);
   command.add_option("-o", a.output, "The picture, .png")->required()->type_name("FILE");
+}
+
+void add_view(CLI::App& app, ViewArguments& a) {
+  CLI::App& command = *app.add_subcommand("view", "Walk through a scene in a window, and move its objects and lights");
+  add_scene(command, a);
+  command.get_option("SCENE")->required(false)->description("Scene file; none: a furnished room");
+  add_picture(command, a, false);
 }
 
 int fail(std::string message, int status) {
@@ -147,11 +166,13 @@ int run(int argc, char** argv) {
   ReplayArguments replay_arguments;
   CompareArguments compare_arguments;
   RenderArguments render_arguments;
+  ViewArguments view_arguments;
   add_cast(app, cast_arguments);
   add_inspect(app, inspect_arguments);
   add_replay(app, replay_arguments);
   add_compare(app, compare_arguments);
   add_render(app, render_arguments);
+  add_view(app, view_arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
@@ -163,6 +184,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("inspect")) inspect(inspect_arguments);
   if (app.got_subcommand("compare")) compare_algorithms(compare_arguments);
   if (app.got_subcommand("render")) render_picture(render_arguments);
+  if (app.got_subcommand("view")) view_scene(view_arguments);
   if (!app.got_subcommand("replay")) return 0;
   const std::string difference = replay(replay_arguments);
   return difference.empty() ? 0 : fail(difference, 1);

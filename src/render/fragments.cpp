@@ -129,6 +129,7 @@ class Fragments : public Technique {
   Figures figures() const override {
     return {{"update_ms", update_ms_}, {"fragments_gone", gone_}, {"fragments_new", added_}, {"bytes_uploaded", bytes_}};
   }
+  const Engine* engine() const override { return &engine_; }
 
  private:
   static Options options() {

@@ -79,6 +79,14 @@ void Target::bind() const {
   glViewport(0, 0, width_, height_);
 }
 
+void Target::copy_to_window() const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.get());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  glDisable(GL_SCISSOR_TEST);
+  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
 Picture Target::read() const {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
   const std::size_t row = 4 * static_cast<std::size_t>(width_);

@@ -41,6 +41,7 @@ class Target {
   // Throws Error when a side is not positive, or larger than the driver can draw.
   Target(int width, int height);
   void bind() const;
+  void copy_to_window() const;  // whose framebuffer must be as large
   Picture read() const;
   int width() const { return width_; }
   int height() const { return height_; }

@@ -9,17 +9,24 @@ const std::vector<std::string>& technique_names() {
   return names;
 }
 
+void check_technique(const std::string& name) {
+  std::string all;
+  for (const std::string& known : technique_names()) {
+    if (known == name) return;
+    all += (all.empty() ? "" : ", ") + known;
+  }
+  throw Error("'" + name + "' is no technique: " + all);
+}
+
 std::unique_ptr<Technique> make_technique(const std::string& name, const Scene& scene, const Model& model) {
+  check_technique(name);
   if (name == "fragments") return make_fragments(scene, model);
   if (name == "stencil-standard") return make_stencil_volumes(scene, model, false);
   if (name == "stencil-zfail") return make_stencil_volumes(scene, model, true);
   if (name == "stencil-hybrid") return make_stencil_hybrid(scene, model);
   if (name == "stencil-kolic") return make_stencil_kolic(scene, model);
   if (name == "shadow-texture") return make_shadow_texture(scene, model);
-  if (name == "shadow-map") return make_shadow_map(scene, model);
-  std::string all;
-  for (const std::string& known : technique_names()) all += (all.empty() ? "" : ", ") + known;
-  throw Error("'" + name + "' is no technique: " + all);
+  return make_shadow_map(scene, model);
 }
 
 void draw(const Frame& frame, const Scene& scene, const Model& model, Technique& technique) {

@@ -31,11 +31,14 @@ class Technique {
   virtual void add_light(const Frame& frame, std::size_t light) = 0;
   // Of the frame drawn last.
   virtual Figures figures() const { return {}; }
+  // The engine behind it; null where there is none.
+  virtual const Engine* engine() const { return nullptr; }
 };
 
 // The scene, and the model of it, must outlive the technique. Throws Error when there is no technique of the name.
 std::unique_ptr<Technique> make_technique(const std::string& name, const Scene& scene, const Model& model);
 const std::vector<std::string>& technique_names();
+void check_technique(const std::string& name);  // throws the same, without a driver
 
 std::unique_ptr<Technique> make_fragments(const Scene& scene, const Model& model);
 std::unique_ptr<Technique> make_stencil_volumes(const Scene& scene, const Model& model, bool zfail);

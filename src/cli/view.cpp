@@ -1,0 +1,47 @@
+// The command view: a window in which a person walks through a scene.
+#include <filesystem>
+
+#include "commands.hpp"
+#include "inputs.hpp"
+#include "scenes.hpp"
+#include "specs.hpp"
+#include "technique.hpp"
+#include "walk.hpp"
+#include "walkthrough.hpp"
+
+namespace shadowcut::cli {
+
+namespace {
+
+// Made by rule, so that the program needs no file: a lamp inside, and one before the door.
+Scene furnished_room() {
+  Scene scene = scenes::build(scenes::furnished_room());
+  scene.add(scenes::light_at_the_door());
+  return scene;
+}
+
+}  // namespace
+
+void view_scene(const ViewArguments& a) {
+  render::check_technique(a.technique);
+  const std::vector<NamedLight> given = parse_lights(a.lights);
+  view::Settings settings;
+  settings.technique = a.technique;
+  settings.width = a.width, settings.height = a.height;
+  if (!a.camera.empty()) {
+    const io::View view = parse_camera(a.camera);
+    settings.camera = {view.eye, view.target, view.fov, view.up};
+    render::check(settings.camera);
+  }
+  Scene scene = a.scene.empty() ? furnished_room() : read({a.scene, a.reading, false, a.quiet});
+  settings.scene_name = a.scene.empty() ? "furnished room" : std::filesystem::path(a.scene).filename().string();
+  if (given.empty() && scene.lights().empty()) {
+    scene.add(view::light_for(scene));
+    settings.note = "the scene has no light of its own: a lamp was put above its middle";
+  }
+  if (!given.empty()) set_lights(scene, given, a.scene);
+  if (a.camera.empty()) settings.camera = view::first_camera(scene);
+  view::walk_through(std::move(scene), settings);
+}
+
+}  // namespace shadowcut::cli
