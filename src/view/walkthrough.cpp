@@ -89,9 +89,9 @@ class Walkthrough {
   void draw_scene();
   void show();
   void describe();
-  void describe_figures();
+  ImVec2 describe_figures();
   void describe_selection();
-  void describe_keys();
+  void describe_keys(const ImVec2& below_figures);
   void draw_markers();
   void draw_box_of_selected();
 
@@ -402,14 +402,15 @@ void Walkthrough::write_screenshot(bool with_overlay) {
 void Walkthrough::describe() {
   draw_box_of_selected();
   draw_markers();
-  describe_figures();
-  if (keys_) describe_keys();
+  const ImVec2 corner = describe_figures();
+  if (keys_) describe_keys(corner);
 }
 
 constexpr ImGuiWindowFlags plain = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize |
                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
 
-void Walkthrough::describe_figures() {
+// Returns the lower right corner.
+ImVec2 Walkthrough::describe_figures() {
   ImGui::SetNextWindowPos(ImVec2(8, 8));
   ImGui::SetNextWindowBgAlpha(0.72f);
   ImGui::Begin("figures", nullptr, plain);
@@ -448,7 +449,9 @@ void Walkthrough::describe_figures() {
   if (!settings_.note.empty()) ImGui::TextColored(ImVec4(1, 0.7f, 0.5f, 1), "%s", settings_.note.c_str());
   if (!message_.empty()) ImGui::TextColored(ImVec4(0.7f, 1, 0.7f, 1), "%s", message_.c_str());
   if (!keys_) ImGui::TextDisabled("H: keys");
+  const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
   ImGui::End();
+  return {at.x + size.x, at.y + size.y};
 }
 
 void Walkthrough::describe_selection() {
@@ -467,7 +470,8 @@ void Walkthrough::describe_selection() {
   ImGui::Text("selected: %s, %s, %u faces%s", name.c_str(), object.sides == Sides::closed ? "solid" : "open", object.face_count, fast);
 }
 
-void Walkthrough::describe_keys() {
+// Beside the figures, whose lower right corner is given, or where there is no room for that below them.
+void Walkthrough::describe_keys(const ImVec2& below_figures) {
   constexpr const char* keys[][2] = {{"W A S D", "walk"},
                                      {"Q E", "down, up"},
                                      {"shift", "faster; while dragging: upright"},
@@ -484,7 +488,9 @@ void Walkthrough::describe_keys() {
                                      {"P", "the same with this"},
                                      {"H", "hide this"},
                                      {"Esc", "end; a drag: undo it"}};
-  ImGui::SetNextWindowPos(ImVec2(8, static_cast<float>(size_.height) - 8), ImGuiCond_Always, ImVec2(0, 1));
+  const float right = static_cast<float>(size_.width) - 8;
+  const bool beside = right - below_figures.x > 330 * window_.text_scale();
+  ImGui::SetNextWindowPos(beside ? ImVec2(right, 8) : ImVec2(8, below_figures.y + 4), ImGuiCond_Always, ImVec2(beside ? 1.f : 0.f, 0));
   ImGui::SetNextWindowBgAlpha(0.6f);
   ImGui::Begin("keys", nullptr, plain);
   for (const auto& [key, what] : keys) ImGui::Text("%-13s%s", key, what);
