@@ -2,7 +2,7 @@
 # Installs what is missing, builds, and runs every test.
 #   scripts/test.sh           the whole suite, and some thousand runs of each fuzzer
 #   scripts/test.sh --long    the suite under ASan + UBSan too, what runs on several threads under TSan, and each fuzzer for ten minutes
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" libgtest-dev libbenchmark-dev libembree-dev libpolyclipping-dev libcgal-dev assimp-testmodels glmark2-data clang libclang-rt-14-dev python3
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" libgtest-dev libbenchmark-dev libembree-dev libpolyclipping-dev libcgal-dev assimp-testmodels glmark2-data clang libclang-rt-14-dev python3 python3-xlib xvfb
 budget="-seed=1 -runs=20000"  # the same inputs every time
 presets=(release)
 if [ "${1:-}" = --long ]; then

@@ -123,7 +123,7 @@ class Walkthrough {
   std::uint32_t light_ = 0;  // whose fragments are shown
   bool outlines_ = false, cells_ = false, keys_ = true;
   bool picture_stale_ = true, window_stale_ = true, marks_stale_ = true;
-  std::uint64_t known_ = 0;  // the scene's revision that is drawn
+  std::uint64_t known_ = 0, engine_known_ = 0;  // revisions of the scene: the technique's and the engine's
   Times updates_, engine_updates_, draws_;
   double gone_ = 0, added_ = 0;
 };
@@ -330,9 +330,11 @@ void Walkthrough::follow_scene() {
   };
   if (other_) timed(*other_, updates_);
   timed(*fragments_, other_ ? engine_updates_ : updates_);
-  for (const auto& [name, value] : fragments_->figures()) {
-    if (name == "fragments_gone") gone_ = value;
-    if (name == "fragments_new") added_ = value;
+  if (std::exchange(engine_known_, scene_.revision()) != scene_.revision()) {  // the scene has changed, not the technique alone
+    for (const auto& [name, value] : fragments_->figures()) {
+      if (name == "fragments_gone") gone_ = value;
+      if (name == "fragments_new") added_ = value;
+    }
   }
   known_ = scene_.revision();
   picture_stale_ = marks_stale_ = true;
