@@ -3,6 +3,7 @@
 Nothing is decided by how long something takes: keys are handled in the order in which they are pressed, and a picture that was asked for is
 waited for.
 """
+import math
 import os
 import shutil
 import struct
@@ -15,10 +16,11 @@ import zlib
 
 from Xlib import X, XK, display
 from Xlib.ext import xtest
+from Xlib.protocol import event
 
 PROGRAM = DATA = None
 PATIENCE = 240  # seconds; only a failure takes them
-WIDTH, HEIGHT = 400, 300
+WIDTH, HEIGHT = 320, 240
 ROOM_LIGHT = "point:2.61,2.23,2.41"
 CAMERA = "0.2,0.25,2.3,4,2.0,0.2"  # sees no two faces in one plane, which a depth buffer cannot tell apart
 TECHNIQUES = ["fragments", "stencil-standard", "stencil-zfail", "stencil-hybrid", "stencil-kolic", "shadow-texture", "shadow-map"]
@@ -78,7 +80,6 @@ def pixel_of(point, camera=CAMERA, fov=60):
     def unit(a):
         return [p / dot(a, a) ** 0.5 for p in a]
 
-    import math
     back = unit([e - t for e, t in zip(eye, target)])
     right = unit(cross([0, 0, 1], back))
     up = cross(back, right)
@@ -214,6 +215,11 @@ class View(unittest.TestCase):
     def start_room(self, *arguments):
         self.start(os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT, "--camera", CAMERA, *arguments, says="shadowcut - room1.obj - ")
 
+    @staticmethod
+    def limit(technique):
+        """The share of pixels in which a technique's picture may differ from the fragments': at edges, as wide as a map's or texture's pixels."""
+        return 0.02 if technique.startswith("shadow-") else 0.005
+
     def switch_to(self, technique):
         self.press(str(TECHNIQUES.index(technique) + 1))
         self.wait_for(lambda: self.server.title(self.window).endswith(" - " + technique), technique)
@@ -230,8 +236,7 @@ class View(unittest.TestCase):
             drawn = self.rendered(os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT, "--camera", CAMERA, "--technique", technique)
             self.assertLess(share_that_differs(pictures[technique], drawn), 0.0005, technique)
         for technique in TECHNIQUES:
-            limit = 0.02 if technique.startswith("shadow-") else 0.005  # at edges; of a map's or texture's pixels
-            self.assertLess(share_that_differs(pictures["fragments"], pictures[technique]), limit, technique)
+            self.assertLess(share_that_differs(pictures["fragments"], pictures[technique]), self.limit(technique), technique)
         self.press("Escape")
         self.ends()
 
@@ -258,9 +263,23 @@ class View(unittest.TestCase):
             self.press("Escape")
             self.ends()
 
-    def test_a_light_is_dragged_and_no_wall(self):
+    def test_every_technique_follows_what_is_dragged(self):
+        self.start_room()
+        for technique in TECHNIQUES[1:]:
+            self.switch_to(technique)
+            before = self.screenshot()
+            self.drag(pixel_of(self.DESK), pixel_of(self.ELSEWHERE))
+            moved = self.screenshot()
+            self.assertGreater(share_that_differs(before, moved), 0.03, technique)
+            self.switch_to("fragments")
+            self.assertLess(share_that_differs(self.screenshot(), moved), self.limit(technique), technique)
+            self.press("r")
+        self.press("Escape")
+        self.ends()
+
+    def test_lights_are_dragged_removed_and_brought_back_and_walls_hold_fast(self):
         camera = "0.3,1.2,0.9,3,2.4,1.7"
-        self.start(os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT, "--camera", camera)
+        self.start(os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT, "--light", "point:1.2,3.6,2.2", "--camera", camera)
         first = self.screenshot()
         start, end = pixel_of((2.61, 2.23, 2.41), camera), pixel_of((4.0, 2.23, 2.41), camera)
         self.drag(start, end)
@@ -268,12 +287,38 @@ class View(unittest.TestCase):
         self.assertGreater(share_that_differs(first, moved), 0.02)
         self.drag((WIDTH // 2, HEIGHT - 20), (WIDTH // 2 + 60, HEIGHT - 60))
         self.assertEqual(share_that_differs(moved, self.screenshot(), by=0), 0)
-        # The lamp is seen from the techniques that know of it only now.
-        fragments = self.screenshot()
-        self.switch_to("stencil-zfail")
-        self.assertLess(share_that_differs(fragments, self.screenshot()), 0.005)
+        for technique in TECHNIQUES[1:] + TECHNIQUES[:1]:
+            self.switch_to(technique)
+            with_lamp = self.screenshot()
+            self.assertLess(share_that_differs(moved, with_lamp), self.limit(technique), technique)
+            self.point(*end)
+            self.button(True)
+            self.button(False)
+            self.press("Delete")
+            self.assertGreater(share_that_differs(with_lamp, self.screenshot()), 0.2, technique)
+            self.press("Insert")
+            self.assertLess(share_that_differs(with_lamp, self.screenshot()), 0.0005, technique)
         self.press("Escape")
         self.ends()
+
+    def test_an_idle_window_does_nothing(self):
+        self.start_room()
+        self.screenshot()
+
+        def rests():
+            before = self.processor_time()
+            time.sleep(0.3)
+            return self.processor_time() == before
+        self.wait_for(rests, "rest")
+        self.window.unmap()
+        self.server.display.sync()
+        self.wait_for(rests, "rest of a hidden window")
+        self.close_by_its_button()
+        self.ends()
+
+    def processor_time(self):
+        with open(f"/proc/{self.program.pid}/stat", encoding="ascii") as stat:
+            return sum(int(n) for n in stat.read().rsplit(")", 1)[1].split()[11:13])
 
     def test_walking_and_looking(self):
         self.start()
@@ -334,7 +379,6 @@ class View(unittest.TestCase):
         self.ends()
 
     def close_by_its_button(self):
-        from Xlib.protocol import event
         atom = self.server.display.intern_atom
         self.window.send_event(event.ClientMessage(window=self.window, client_type=atom("WM_PROTOCOLS"),
                                                    data=(32, [atom("WM_DELETE_WINDOW"), X.CurrentTime, 0, 0, 0])))

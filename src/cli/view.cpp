@@ -1,5 +1,6 @@
 // The command view: a window in which a person walks through a scene.
 #include <filesystem>
+#include <numbers>
 
 #include "commands.hpp"
 #include "inputs.hpp"
@@ -26,6 +27,8 @@ Scene furnished_room() {
   return scene;
 }
 
+const render::Camera before_the_door{{0.5, 5.9, 1.75}, {5.4, 2.2, 0.55}, 75 * std::numbers::pi / 180};
+
 }  // namespace
 
 void view_scene(const ViewArguments& a) {
@@ -46,7 +49,7 @@ void view_scene(const ViewArguments& a) {
     settings.note = "the scene has no light of its own: a lamp was put above its middle";
   }
   if (!given.empty()) set_lights(scene, given, a.scene);
-  if (a.camera.empty()) settings.camera = view::first_camera(scene);
+  if (a.camera.empty()) settings.camera = a.scene.empty() ? before_the_door : view::first_camera(scene);
   view::walk_through(std::move(scene), settings);
 }
 

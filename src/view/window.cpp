@@ -73,7 +73,10 @@ Window::Window(Size size, const std::string& title) {
     if (button == GLFW_MOUSE_BUTTON_LEFT) self(window).happened(down ? Event::Kind::left_down : Event::Kind::left_up);
     if (button == GLFW_MOUSE_BUTTON_RIGHT) self(window).happened(down ? Event::Kind::right_down : Event::Kind::right_up);
   });
-  glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double, double) { self(window).happened(Event::Kind::cursor); });
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double x, double y) {
+    self(window).cursor_ = {x, y};
+    self(window).happened(Event::Kind::cursor);
+  });
   glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int, int) { self(window).happened(Event::Kind::changed); });
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { self(window).happened(Event::Kind::changed); });
   glfwSetWindowIconifyCallback(window_, [](GLFWwindow* window, int) { self(window).happened(Event::Kind::changed); });
@@ -82,13 +85,11 @@ Window::Window(Size size, const std::string& title) {
 Window::~Window() { glfwDestroyWindow(window_); }
 
 void Window::happened(Event::Kind kind, int key) {
-  double x = 0, y = 0;
   int width = 0, height = 0;
-  glfwGetCursorPos(window_, &x, &y);
   glfwGetWindowSize(window_, &width, &height);
   const Size size = picture();
   Event event{kind, key};
-  if (width > 0 && height > 0) event.cursor = {x * size.width / width, y * size.height / height};
+  if (width > 0 && height > 0) event.cursor = {cursor_.x() * size.width / width, cursor_.y() * size.height / height};
   events_.push_back(event);
 }
 

@@ -58,6 +58,7 @@ class Window {
   Library library_;
   GLFWwindow* window_ = nullptr;
   std::vector<Event> events_;
+  Eigen::Vector2d cursor_ = Eigen::Vector2d::Zero();  // as events have it: where it is now may be beyond those still to come
   bool tells_resets_arb_ = false, tells_resets_khr_ = false;
 };
 
