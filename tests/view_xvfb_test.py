@@ -414,6 +414,8 @@ class View(unittest.TestCase):
         on = {"DISPLAY": self.server.name}
         self.refused("--technique", "radiosity", says=["radiosity"], **on)
         self.refused("--size", "0x0", says=["--size"], **on)
+        for size in ("100000x100000", "30000x20"):
+            self.refused("--size", size, says=[size], **on)
         self.refused("--camera", "0,0,0,0,0,0", says=["camera"], **on)
         self.refused("none.obj", says=["none.obj"], **on)
 

@@ -51,8 +51,9 @@ void main() {
   float facing = dot(n, to_light);
   bool seen = facing * dot(n, eye - x) > 0.0 && (paint.a < 0.5 || facing > 0.0);
   bool within = length(to_light) <= range && (axis.w < -1.5 || dot(axis.xyz, -normalize(to_light)) >= axis.w);
+  if (!seen || !within) discard;  // and leaves the pixel to the face beside it, where each may draw once
   float slant = abs(facing) / length(to_light);
-  pixel = vec4(seen && within ? paint.rgb * share * (0.4 + 0.6 * slant) * reached(x, n) : vec3(0.0), 1.0);
+  pixel = vec4(paint.rgb * share * (0.4 + 0.6 * slant) * reached(x, n), 1.0);
 }
 )";
 

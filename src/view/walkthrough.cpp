@@ -282,7 +282,8 @@ void Walkthrough::move_cursor(const Eigen::Vector2d& cursor) {
 
 void Walkthrough::follow_cursor() {
   const bool upright = window_.is_held(GLFW_KEY_LEFT_SHIFT) || window_.is_held(GLFW_KEY_RIGHT_SHIFT);
-  drag_->held = dragged(drag_->held, screen().ray(cursor_), walker_.camera(), upright, 2 * box_.diagonal().norm());
+  const double reach = 2 * box_.diagonal().norm() + (drag_->held - walker_.camera().eye).norm();  // not out to the horizon
+  drag_->held = dragged(drag_->held, screen().ray(cursor_), walker_.camera(), upright, reach);
   if (selection_->is_light) {
     const Light to = moved_to(drag_->light, drag_->held, box_);
     if (to.kind == Light::Kind::point || to.at.norm() > 0) arrangement_.set_light(selection_->index, to);

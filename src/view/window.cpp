@@ -31,11 +31,20 @@ bool is_set(const char* variable) {
   throw Error("view: the display cannot be used: " + words + elsewhere);
 }
 
-// Xlib ends a program whose display goes away, by its own words and with its own status. Nothing of the display may be used any more.
-int display_lost(Display*) {
-  constexpr char line[] = "shadowcut: view: the display is gone\n";
-  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line, sizeof line - 1);
+// Xlib ends a program whose display goes away or refuses a request, with its own words and status. Nothing of the display may be used then,
+// so there is no way back but this.
+[[noreturn]] void end(const std::string& what) {
+  const std::string line = "shadowcut: view: " + what + "\n";
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line.data(), line.size());
   _exit(2);
+}
+
+int display_lost(Display*) { end("the display is gone"); }
+
+int request_refused(Display* display, XErrorEvent* error) {
+  char text[200] = "";
+  XGetErrorText(display, error->error_code, text, sizeof text);
+  end(std::string("the display refuses a request: ") + text);
 }
 
 }  // namespace
@@ -43,12 +52,17 @@ int display_lost(Display*) {
 Window::Library::Library() {
   glfwSetErrorCallback([](int, const char* text) { words = text; });
   XSetIOErrorHandler(display_lost);
+  XSetErrorHandler(request_refused);
   if (!glfwInit()) no_display();
 }
 
 Window::Library::~Library() { glfwTerminate(); }
 
 Window::Window(Size size, const std::string& title) {
+  constexpr int most = 16384;  // more than any screen, and X takes no picture much larger
+  if (size.width > most || size.height > most)
+    throw Error("view: a window of " + std::to_string(size.width) + "x" + std::to_string(size.height) +
+                " pixels is too large: " + std::to_string(most) + " a side at most");
   glfwWindowHint(GLFW_CLIENT_API, GLFW_OPENGL_API);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
