@@ -323,22 +323,21 @@ class View(unittest.TestCase):
 
     def test_walking_and_looking(self):
         self.start()
-        before = self.screenshot()
+        first = self.screenshot()
         for key in ("w", "a", "s", "d", "q", "e", "Left", "Up"):
             # However short the key is held and however slow the machine: until the picture has changed.
             self.server.input(X.KeyPress, self.server.code(key))
-            def changed():
-                return share_that_differs(before, self.screenshot()) > 0.01
-            self.wait_for(changed, "the camera to follow " + key)
+            self.wait_for(lambda: share_that_differs(first, self.screenshot()) > 0.01, "the camera to follow " + key)
             self.server.input(X.KeyRelease, self.server.code(key))
-            before = self.screenshot()
+            self.press("Home")
+            self.assertEqual(share_that_differs(first, self.screenshot(), by=0), 0, key)
         self.button(True, 3)
         self.point(WIDTH // 2 + 60, HEIGHT // 2 + 10)
         self.button(False, 3)
-        self.assertGreater(share_that_differs(before, self.screenshot()), 0.05)
-        still = self.screenshot()
+        turned = self.screenshot()
+        self.assertGreater(share_that_differs(first, turned), 0.05)
         self.point(WIDTH // 2 - 20, HEIGHT // 2 - 30)
-        self.assertEqual(share_that_differs(still, self.screenshot(), by=0), 0)
+        self.assertEqual(share_that_differs(turned, self.screenshot(), by=0), 0)
         self.press("Escape")
         self.ends()
 
@@ -359,6 +358,16 @@ class View(unittest.TestCase):
         self.switch_to("shadow-map")
         self.press("o")
         self.assertGreater(share_that_differs(plain, self.screenshot()), 0.01)
+        self.press("Escape")
+        self.ends()
+
+    def test_a_scene_without_a_light_gets_one(self):
+        self.start(os.path.join(DATA, "room1.obj"))
+        lit = self.screenshot()
+        self.press("Delete")  # nothing is picked
+        self.assertEqual(share_that_differs(lit, self.screenshot(), by=0), 0)
+        colours = {p for p in lit[2]}
+        self.assertGreater(len(colours), 50)  # ambient light alone gives each object one
         self.press("Escape")
         self.ends()
 

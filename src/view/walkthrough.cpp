@@ -106,6 +106,7 @@ class Walkthrough {
   const Settings& settings_;
   const Eigen::AlignedBox3d box_;  // of the scene at first
   Arrangement arrangement_;
+  const Walker first_walker_;
   Walker walker_;
   Window window_;
   Overlay overlay_;
@@ -133,7 +134,8 @@ Walkthrough::Walkthrough(Scene& scene, const Settings& settings)
       settings_(settings),
       box_(box_of(scene)),
       arrangement_(scene),
-      walker_(settings.camera, box_.diagonal().norm() / 6),
+      first_walker_(settings.camera, box_.diagonal().norm() / 6),
+      walker_(first_walker_),
       window_({settings.width, settings.height}, "shadowcut - " + settings.scene_name),
       overlay_(window_.text_scale()),
       model_(scene),
@@ -218,6 +220,10 @@ void Walkthrough::press(int key) {
       drag_.reset(), selection_.reset();
       arrangement_.reset();
       message_ = "everything is back";
+      break;
+    case GLFW_KEY_HOME:
+      walker_ = first_walker_;
+      picture_stale_ = true;
       break;
     case GLFW_KEY_DELETE:
       remove_selected();
@@ -480,6 +486,7 @@ void Walkthrough::describe_keys(const ImVec2& below_figures) {
                                      {"shift", "faster; while dragging: upright"},
                                      {"right button", "look"},
                                      {"arrows", "look"},
+                                     {"Home", "where you began"},
                                      {"left button", "pick; drag objects and lights"},
                                      {"Delete", "remove"},
                                      {"Insert or U", "bring back"},
