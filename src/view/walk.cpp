@@ -28,7 +28,7 @@ render::Camera first_camera(const Scene& scene) {
   const auto at = [&](double x, double y, double z) -> Vec3 { return box.min() + Vec3(x, y, z).cwiseProduct(box.sizes()); };
   if (is_room(scene)) return {at(0.03, 0.04, 0.85), at(0.5, 0.6, 0.1), 75 * std::numbers::pi / 180};
   const double away = std::max(box.diagonal().norm(), std::numeric_limits<double>::min());
-  return {box.center() + away * Vec3(-0.75, -0.9, 0.55), box.center()};
+  return {box.center() + away * Vec3(-0.55, -0.66, 0.42), box.center()};
 }
 
 Walker::Walker(const render::Camera& camera, double pace) : camera_(camera), pace_(pace) {
