@@ -281,12 +281,13 @@ void Walkthrough::move_cursor(const Eigen::Vector2d& cursor) {
     return;
   }
   cursor_ = cursor;
-  if (!drag_ || size_.empty()) return;
+  if (!drag_) return;
   if ((cursor - drag_->pressed).norm() > click) drag_->moved = true;
   if (drag_->moved) follow_cursor();
 }
 
 void Walkthrough::follow_cursor() {
+  if (size_.empty()) return;
   const bool upright = window_.is_held(GLFW_KEY_LEFT_SHIFT) || window_.is_held(GLFW_KEY_RIGHT_SHIFT);
   const double reach = 2 * box_.diagonal().norm() + (drag_->held - walker_.camera().eye).norm();  // not out to the horizon
   drag_->held = dragged(drag_->held, screen().ray(cursor_), walker_.camera(), upright, reach);
