@@ -179,6 +179,7 @@ struct LightChanges {
 };
 
 struct Changes {
+  std::uint64_t update = 0;  // counts the engine's updates and compactions, those that failed too, from 1: a mirror sees what it missed
   std::vector<LightChanges> lights;  // those whose shadows changed, in the order of their indices
   std::uint32_t applied = 0;         // objects and lights brought up to date
   bool complete = true;              // false: the budget ran out, and some objects still stand as they stood before
@@ -249,6 +250,10 @@ class Engine {
 
   // One partition for all lights (CS95, section 4: a second light's input is the first one's output).
   LightSets combined() const;
+  // The part of it on these faces (indices into scene().faces(); others are passed over). Where no light's fragments on a face have
+  // changed, neither has what it would give. Cost: that of cutting these faces' fragments, and one look at every fragment of the first
+  // light.
+  LightSets combined(std::span<const std::uint32_t> faces) const;
 
   // Checks every invariant of every tree. Returns an empty string, or a sentence that says which one does not hold. For tests: it takes
   // many times a build.

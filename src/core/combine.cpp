@@ -173,12 +173,13 @@ struct Partition {
   }
 };
 
-Partition first_partition(const LightTree& light, std::size_t number, std::size_t words) {
+Partition first_partition(const LightTree& light, std::size_t number, std::size_t words, const std::vector<bool>* faces) {
   Partition out;
   out.sets.words = words;
   std::vector<std::uint64_t> set(words);
   for (const Block& block : light.shadows().blocks) {
     for (const Fragment& f : block.fragments) {
+      if (faces && !(*faces)[f.face]) continue;
       set[number / 64] = f.lit ? std::uint64_t{1} << (number % 64) : 0;
       const bool front = light.facing(f.facet) == Facing::toward ? light.front_lit(f.facet) : true;
       out.add(f.face, f.facet, set, front);
@@ -221,13 +222,13 @@ void cut_by(const LightTree& light, std::size_t number, const Partition& in, std
 
 }  // namespace
 
-LightSets combine(const std::vector<const LightShadows*>& all) {
+LightSets combine(const std::vector<const LightShadows*>& all, const std::vector<bool>* faces) {
   std::vector<const LightTree*> lights;
   for (const LightShadows* light : all) lights.push_back(static_cast<const LightTree*>(light));
   const auto first = std::find_if(lights.begin(), lights.end(), [](const LightTree* t) { return t != nullptr; });
   if (first == lights.end()) return {};
   const auto first_number = static_cast<std::size_t>(first - lights.begin());
-  Partition partition = first_partition(**first, first_number, (lights.size() + 63) / 64);
+  Partition partition = first_partition(**first, first_number, (lights.size() + 63) / 64, faces);
   for (std::size_t number = first_number + 1; number < lights.size(); ++number) {
     if (!lights[number]) continue;
     // Chunks of a fixed size keep the order the same for any number of threads.

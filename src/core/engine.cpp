@@ -52,6 +52,7 @@ struct Engine::Impl {
   std::vector<Tracked> lights;  // by index into Scene::lights()
   std::uint64_t seen = 0;       // every object's changes up to here have been applied
   bool built = false, broken = false;
+  std::uint64_t updates = 0;  // begun
   Changes changes;
   double lights_done = 0, lights_to_do = 1;  // for the progress of builds
 
@@ -124,8 +125,10 @@ struct Engine::Impl {
   template <class Step>
   const Changes& run(const Step& step) {
     const Clock::time_point begin = Clock::now();
+    ++updates;
     guarded([&] {
       changes = {};
+      changes.update = updates;
       for (Tracked& t : lights) {
         if (t.tree) t.tree->begin_update();
       }
@@ -146,6 +149,17 @@ struct Engine::Impl {
         advance(begin + budget, limited);
       }
     });
+  }
+
+  // All faces, or those chosen.
+  LightSets combined(const std::vector<bool>* faces) {
+    require_whole();
+    std::vector<const LightShadows*> trees;
+    for (const Tracked& t : lights) trees.push_back(t.tree.get());
+    const auto combine = options.kernel == Kernel::single ? single_numbers::combine : double_numbers::combine;
+    LightSets out;
+    threads.run([&] { out = combine(trees, faces); });
+    return out;
   }
 
   const Changes& compact() {
@@ -294,14 +308,15 @@ std::vector<double> Engine::undecided(std::size_t light) const {
   return out;
 }
 
-LightSets Engine::combined() const {
+LightSets Engine::combined() const { return impl_->combined(nullptr); }
+
+LightSets Engine::combined(std::span<const std::uint32_t> faces) const {
   impl_->require_whole();
-  std::vector<const LightShadows*> trees;
-  for (const Impl::Tracked& t : impl_->lights) trees.push_back(t.tree.get());
-  const auto combine = impl_->options.kernel == Kernel::single ? single_numbers::combine : double_numbers::combine;
-  LightSets out;
-  impl_->threads.run([&] { out = combine(trees); });
-  return out;
+  std::vector<bool> chosen(impl_->applied.faces().size());
+  for (const std::uint32_t f : faces) {
+    if (f < chosen.size()) chosen[f] = true;
+  }
+  return impl_->combined(&chosen);
 }
 
 std::string Engine::validate() const {

@@ -37,14 +37,15 @@ class LightShadows {
 };
 
 // The scene must outlive what is made. combine() cuts the first light's fragments by the second light's tree, and so on (CS95, section 4);
-// a null stands for a light that there is not, the others must have been made in the same namespace.
+// a null stands for a light that there is not, the others must have been made in the same namespace. `faces`, where it is given, chooses
+// whose fragments.
 namespace double_numbers {
 std::unique_ptr<LightShadows> make_light_shadows(const Scene& scene, const Light& light, const Options& options);
-LightSets combine(const std::vector<const LightShadows*>& lights);
+LightSets combine(const std::vector<const LightShadows*>& lights, const std::vector<bool>* faces);
 }  // namespace double_numbers
 namespace single_numbers {
 std::unique_ptr<LightShadows> make_light_shadows(const Scene& scene, const Light& light, const Options& options);
-LightSets combine(const std::vector<const LightShadows*>& lights);
+LightSets combine(const std::vector<const LightShadows*>& lights, const std::vector<bool>* faces);
 }  // namespace single_numbers
 
 }  // namespace shadowcut

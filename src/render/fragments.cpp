@@ -3,93 +3,92 @@
 //
 // The conforming form: the rasteriser would leave cracks at T-junctions. The ambient picture below them is made of whole faces, so
 // fragments are drawn a little in front of it.
-#include <algorithm>
-#include <map>
-#include <unordered_map>
+#include <shadowcut/buffers.hpp>
 
 #include "technique.hpp"
 
 namespace shadowcut::render {
 namespace {
 
-struct IdHash {
-  std::size_t operator()(const FragmentId& id) const {
-    return (id.cell * std::size_t{0x9E3779B97F4A7C15} ^ id.piece) * std::size_t{0xC2B2AE3D27D4EB4F} ^ id.place;
-  }
-};
-
-// A vertex buffer in which fragments come and go. What is free is drawn as triangles of no extent.
-class FragmentBuffer {
+// The lit fragments of one light, in vertex buffers of the driver's.
+class LitBuffers {
  public:
-  void clear() {
-    places_.clear(), free_.clear(), vertices_.clear();
-    ranges_.clear(), capacity_ = 0;
-  }
+  LitBuffers(std::uint32_t light, const Model& model) : fragments_(light, layout(model)) {}
 
-  void remove(const FragmentId& id) {
-    const auto place = places_.find(id);
-    if (place == places_.end()) return;  // it was not lit
-    const Range range = place->second;
-    places_.erase(place);
-    for (std::size_t i = range.first; i < range.first + range.count; ++i) vertices_[i] = {};
-    free_[range.count].push_back(range.first);
-    change(range);
-  }
-
-  void add(const FragmentId& id, std::span<const Vertex> triangles) {
-    Range range{vertices_.size(), triangles.size()};
-    std::vector<std::size_t>& holes = free_[range.count];
-    if (holes.empty()) {
-      vertices_.insert(vertices_.end(), triangles.begin(), triangles.end());
-    } else {
-      range.first = holes.back();
-      holes.pop_back();
-      std::copy(triangles.begin(), triangles.end(), vertices_.begin() + static_cast<std::ptrdiff_t>(range.first));
-    }
-    places_.emplace(id, range);
-    change(range);
-  }
-
-  // Uploads what has changed: all where the buffer has to grow. Returns the bytes.
-  std::size_t upload() {
-    glBindBuffer(GL_ARRAY_BUFFER, buffer_.get());
-    if (vertices_.size() > capacity_) {
-      capacity_ = vertices_.size() + vertices_.size() / 2;
-      glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(capacity_ * sizeof(Vertex)), nullptr, GL_DYNAMIC_DRAW);
-      ranges_.assign(1, {0, vertices_.size()});
+  // Returns the bytes uploaded: all where the buffers have to grow.
+  std::size_t update(const Engine& engine, const Changes& changes) {
+    fragments_.update(engine, changes);
+    colours_.resize(fragments_.vertex_capacity());
+    if (fragments_.grown()) {
+      positions_.make(fragments_.positions()), normals_.make(fragments_.normals()), paint_.make(std::span<const Paint>(colours_));
     }
     std::size_t bytes = 0;
-    for (const Range& range : ranges_) {
-      glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(range.first * sizeof(Vertex)),
-                      static_cast<GLsizeiptr>(range.count * sizeof(Vertex)), vertices_.data() + range.first);
-      bytes += range.count * sizeof(Vertex);
+    for (const FragmentBuffers::Range& range : fragments_.changed_vertices()) {
+      paint(engine.scene(), range);
+      bytes += positions_.upload(fragments_.positions(), 3, range) + normals_.upload(fragments_.normals(), 3, range) +
+               paint_.upload(std::span<const Paint>(colours_), 1, range);
     }
-    ranges_.clear();
     return bytes;
   }
 
   void draw() const {
     glBindVertexArray(array_.get());
-    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices_.size()));
+    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(fragments_.vertex_count()));
   }
 
  private:
-  struct Range {
-    std::size_t first, count;
-  };
-  // Ranges that follow one another are uploaded as one.
-  void change(const Range& range) {
-    if (!ranges_.empty() && ranges_.back().first + ranges_.back().count == range.first) ranges_.back().count += range.count;
-    else ranges_.push_back(range);
+  static BufferLayout layout(const Model& model) {
+    BufferLayout layout;
+    layout.origin = model.origin();
+    layout.faces = layout.states = false;
+    layout.objects = true;
+    layout.show = Show::lit;
+    return layout;
   }
 
-  Buffer buffer_ = make_buffer();
-  VertexArray array_ = Model::array_of(buffer_);
-  std::vector<Vertex> vertices_;
-  std::size_t capacity_ = 0;  // of the driver's buffer, in vertices
-  std::unordered_map<FragmentId, Range, IdHash> places_;
-  std::map<std::size_t, std::vector<std::size_t>> free_;  // first vertices of holes, by size
-  std::vector<Range> ranges_;                             // changed since the last upload
+  // One attribute of the vertices.
+  class Stream {
+   public:
+    Stream(const VertexArray& array, GLuint index, GLint count, GLenum type, GLboolean normalised) {
+      glBindVertexArray(array.get());
+      glBindBuffer(GL_ARRAY_BUFFER, buffer_.get());
+      glEnableVertexAttribArray(index);
+      glVertexAttribPointer(index, count, type, normalised, 0, nullptr);
+    }
+    template <class T>
+    void make(std::span<const T> values) {
+      glBindBuffer(GL_ARRAY_BUFFER, buffer_.get());
+      glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(values.size_bytes()), nullptr, GL_DYNAMIC_DRAW);
+    }
+    template <class T>
+    std::size_t upload(std::span<const T> values, std::size_t width, const FragmentBuffers::Range& range) {
+      const std::span<const T> part = values.subspan(width * range.first, width * range.count);
+      glBindBuffer(GL_ARRAY_BUFFER, buffer_.get());
+      glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(width * range.first * sizeof(T)), static_cast<GLsizeiptr>(part.size_bytes()),
+                      part.data());
+      return part.size_bytes();
+    }
+
+   private:
+    Buffer buffer_ = make_buffer();
+  };
+
+  void paint(const Scene& scene, const FragmentBuffers::Range& range) {
+    std::uint32_t last = none;
+    Paint colour{};
+    for (std::size_t v = range.first; v < std::size_t{range.first} + range.count; ++v) {
+      const std::uint32_t object = fragments_.objects()[v];
+      if (object != last) colour = object == none ? Paint{} : paint_of(scene.objects()[object]);
+      last = object;
+      colours_[v] = colour;
+    }
+  }
+
+  FragmentBuffers fragments_;
+  std::vector<Paint> colours_;  // by vertex
+  VertexArray array_ = make_vertex_array();
+  Stream positions_{array_, 0, 3, GL_FLOAT, GL_FALSE}, normals_{array_, 1, 3, GL_FLOAT, GL_FALSE};
+  Stream paint_{array_, 2, 4, GL_UNSIGNED_BYTE, GL_TRUE};
 };
 
 class Fragments : public Technique {
@@ -101,8 +100,11 @@ class Fragments : public Technique {
     const Changes& changes = engine_.update();
     gone_ = added_ = bytes_ = 0;
     update_ms_ = changes.ms;
-    buffers_.resize(engine_.light_count());
-    for (const LightChanges& change : changes.lights) apply(change);
+    for (const LightChanges& change : changes.lights) {
+      gone_ += static_cast<double>(change.gone.size()), added_ += static_cast<double>(change.added.size());
+    }
+    while (buffers_.size() < engine_.light_count()) buffers_.emplace_back(static_cast<std::uint32_t>(buffers_.size()), model_);
+    for (LitBuffers& buffers : buffers_) bytes_ += static_cast<double>(buffers.update(engine_, changes));
   }
 
   void add_light(const Frame& frame, std::size_t light) override {
@@ -138,35 +140,10 @@ class Fragments : public Technique {
     return options;
   }
 
-  void apply(const LightChanges& change) {
-    FragmentBuffer& buffer = buffers_[change.light];
-    gone_ += static_cast<double>(change.gone.size()), added_ += static_cast<double>(change.added.size());
-    if (change.removed || change.rebuilt) buffer.clear();
-    else
-      for (const FragmentId& id : change.gone) buffer.remove(id);
-    if (change.removed) return;
-    const Shadows& shadows = engine_.shadows(change.light);
-    for (const LightChanges::Added& a : change.added) {
-      const Block& block = shadows.blocks[a.id.cell];
-      const shadowcut::Fragment& fragment = block.fragments[a.index];
-      if (fragment.lit) add(buffer, fragment, block.corners_of(fragment));
-    }
-    bytes_ += static_cast<double>(buffer.upload());
-  }
-
-  void add(FragmentBuffer& buffer, const shadowcut::Fragment& fragment, std::span<const Vec3> corners) {
-    triangles_.clear();
-    for (std::size_t i = 2; i < corners.size(); ++i)
-      for (const std::size_t k : {std::size_t{0}, i - 1, i})
-        triangles_.push_back(model_.vertex(engine_.scene(), fragment.facet, corners[k]));
-    buffer.add(fragment.id, triangles_);
-  }
-
   const Model& model_;
   Engine engine_;
   Program lit_;
-  std::vector<FragmentBuffer> buffers_;  // by light
-  std::vector<Vertex> triangles_;
+  std::vector<LitBuffers> buffers_;  // by light
   double gone_ = 0, added_ = 0, bytes_ = 0, update_ms_ = 0;
 };
 

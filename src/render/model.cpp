@@ -74,6 +74,11 @@ std::array<std::uint8_t, 3> colour_of(const Object& object) {
   return {channel(0), channel(-2.0943951), channel(2.0943951)};
 }
 
+Paint paint_of(const Object& object) {
+  const auto colour = colour_of(object);
+  return {colour[0], colour[1], colour[2], static_cast<std::uint8_t>(object.sides == Sides::closed ? 255 : 0)};
+}
+
 Model::Model(const Scene& scene)
     : vertices_(make_buffer()),
       array_(array_of(vertices_)),
@@ -134,9 +139,7 @@ Vertex Model::vertex(const Scene& scene, std::uint32_t f, const Vec3& world) con
   const Facet& facet = scene.facets()[f];
   const Object& object = scene.objects()[scene.faces()[facet.face].object];
   const Vec3f p = shifted(world), n = scene.planes()[facet.plane].normal.cast<float>();
-  const auto colour = colour_of(object);
-  const std::uint8_t solid = object.sides == Sides::closed ? 255 : 0;
-  return {{p.x(), p.y(), p.z()}, {n.x(), n.y(), n.z()}, {colour[0], colour[1], colour[2], solid}};
+  return {{p.x(), p.y(), p.z()}, {n.x(), n.y(), n.z()}, paint_of(object)};
 }
 
 Frame Model::frame(const Camera& camera, int width, int height) const {

@@ -25,11 +25,14 @@ struct Frame {
   std::array<Vec3, 4> near_window(double scale) const;
 };
 
+using Paint = std::array<std::uint8_t, 4>;  // a colour, and 255 for a solid's face
+Paint paint_of(const Object& object);
+
 // What is put into the vertex buffers.
 struct Vertex {
   float position[3];
   float normal[3];
-  std::uint8_t colour[4];  // the fourth: 255 for a solid's face
+  Paint colour;
 };
 
 constexpr float ambient_share = 0.35f;  // of a face's colour; the lights share the rest
@@ -43,6 +46,7 @@ class Model {
 
   Frame frame(const Camera& camera, int width, int height) const;
   Vec3f shifted(const Vec3& world) const { return (world - origin_).cast<float>(); }
+  const Vec3& origin() const { return origin_; }
   double radius() const { return radius_; }
   Vertex vertex(const Scene& scene, std::uint32_t facet, const Vec3& world) const;
 
