@@ -232,6 +232,9 @@ class Scene {
   // Removes all lights and adds these, at indices 0, 1, ... Throws Error as check() does, and then changes nothing.
   void replace_lights(std::span<const Light> lights);
 
+  // Done: the id names something here. Otherwise, why it does not.
+  Edit locate(ObjectId id) const;
+  Edit locate(LightId id) const;
   // Null when the id does not name anything here. The pointer lives until the scene changes.
   const Object* find(ObjectId id) const;
   const Light* find(LightId id) const;
@@ -288,8 +291,6 @@ class Scene {
 
   template <class Id, class Slots, class Alive>
   Edit locate(Id id, const Slots& slots, const Alive& alive) const;
-  Edit locate(ObjectId id) const;
-  Edit locate(LightId id) const;
   void admit(std::uint32_t index, std::shared_ptr<const Source> source, const ObjectSettings& settings);
   void take_room(std::uint32_t index, const std::uint32_t (&counts)[6]);
   void clear_room(std::uint32_t index);
