@@ -99,9 +99,10 @@ shadowcut_status shadowcut_buffers_update(shadowcut_buffers* buffers, const shad
 }
 shadowcut_status shadowcut_buffers_fill(shadowcut_buffers* buffers, const shadowcut_scene* scene, const shadowcut_shadows* shadows) {
   return guarded([&] {
+    FragmentBuffers& b = change(buffers);
     const Shadows& s = value_of(shadows);
     if (s.areas.size() != value_of(scene).faces().size()) fail(SHADOWCUT_REFUSED, "the shadows are not of the scene as it stands");
-    change(buffers).fill(*scene->scene, s);
+    b.fill(*scene->scene, s);
   });
 }
 shadowcut_status shadowcut_buffers_set_origin(shadowcut_buffers* buffers, const double* origin) {
