@@ -183,6 +183,7 @@ static void test_objects(void) {
   double pose[16], flatness = 0, coplanarity = 0;
   const double corners[12] = {-1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1};
   const float as_float[12] = {-1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1};
+  const uint64_t start = 0;
   uint32_t changed[4], n = 0;
   context = "objects";
 
@@ -200,11 +201,12 @@ static void test_objects(void) {
         counts.vertices == 8 && counts.edges == 8 && counts.planes == 2 && counts.issues == 0);
   pose_at(pose, 0.5, 0, 0);
   OK(shadowcut_scene_set_pose(s.scene, &s.sheet, pose));
-  OK(shadowcut_scene_changed_since(s.scene, counts.revision, 4, changed, &n));
+  OK(shadowcut_scene_changed_since(s.scene, &counts.revision, 4, changed, &n));
   CHECK(n == 1 && changed[0] == s.sheet.index);
-  OK(shadowcut_scene_changed_since(s.scene, 0, 0, NULL, &n));
+  OK(shadowcut_scene_changed_since(s.scene, &start, 0, NULL, &n));
   CHECK(n == 2);
-  INVALID(shadowcut_scene_changed_since(s.scene, 0, 4, NULL, &n));
+  INVALID(shadowcut_scene_changed_since(s.scene, &start, 4, NULL, &n));
+  INVALID(shadowcut_scene_changed_since(s.scene, NULL, 4, changed, &n));
   pose[0] = 0;
   STATUS(SHADOWCUT_REFUSED, shadowcut_scene_set_pose(s.scene, &s.sheet, pose)); /* not invertible */
   pose[0] = NAN;
@@ -821,6 +823,7 @@ static void watch(struct Watched* w, uint32_t light, int indexed, int doubles, i
   w->layout.masks = w->layout.objects = 1;
   w->layout.origin[0] = 1.5, w->layout.origin[2] = 0.7;
   w->layout.joined_gap = indexed ? 0 : 16;
+  w->layout.hole_share = doubles ? 0.03 : 0.5; /* some are laid out anew now and then */
   OK(shadowcut_buffers_create(light, &w->layout, &w->buffers));
 }
 
@@ -954,6 +957,9 @@ static void test_mirrors(uint64_t seed) {
 static void test_buffers(void) {
   struct Small s = small_scene();
   shadowcut_engine *engine = NULL, *other = NULL;
+  shadowcut_scene* empty = NULL;
+  const shadowcut_scene* view = NULL;
+  shadowcut_light_sets* sets = NULL;
   shadowcut_shadows* shadows = NULL;
   shadowcut_light light = point_light(0, 0, 2);
   shadowcut_buffer_layout layout;
@@ -1028,6 +1034,22 @@ static void test_buffers(void) {
   OK(shadowcut_buffers_fill(buffers, s.scene, shadows));
   OK(shadowcut_buffers_create(SHADOWCUT_ALL_LIGHTS, NULL, &all));
   STATUS(SHADOWCUT_REFUSED, shadowcut_buffers_fill(all, s.scene, shadows));
+  OK(shadowcut_engine_update(other));
+  OK(shadowcut_engine_scene(other, &view));
+  OK(shadowcut_engine_combined(other, &sets));
+  OK(shadowcut_buffers_fill_sets(all, view, sets));
+  OK(shadowcut_buffers_get_info(all, &info));
+  OK(shadowcut_light_sets_count(sets, &i, &each));
+  CHECK(info.fragment_count == i);
+  OK(shadowcut_scene_create(&empty));
+  STATUS(SHADOWCUT_REFUSED, shadowcut_buffers_fill_sets(all, empty, sets));
+  STATUS(SHADOWCUT_REFUSED, shadowcut_buffers_fill_sets(buffers, view, sets));
+  INVALID(shadowcut_buffers_fill_sets(all, view, NULL));
+  INVALID(shadowcut_buffers_fill_sets(all, NULL, sets));
+  INVALID(shadowcut_buffers_fill_sets(NULL, view, sets));
+  STATUS(SHADOWCUT_REFUSED, shadowcut_buffers_fill(buffers, empty, shadows));
+  shadowcut_scene_destroy(empty);
+  shadowcut_light_sets_destroy(sets);
   add_square(s.scene, 1, 3, "another");
   STATUS(SHADOWCUT_REFUSED, shadowcut_buffers_fill(buffers, s.scene, shadows)); /* not this scene's */
   INVALID(shadowcut_buffers_fill(buffers, NULL, shadows));

@@ -129,7 +129,8 @@ class FragmentBuffers {
   Place take(std::uint32_t corners);
   void make_room(std::uint64_t vertices, std::uint64_t indices);
   void set_mask_words(std::size_t lights);
-  void write(std::uint32_t vertex, const Source& source, std::uint32_t object, const Vec3& position, const Vec3& normal);
+  void write_position(std::size_t vertex, const Vec3& position);
+  void write_source(std::size_t first, std::size_t count, const Source& source, std::uint32_t object, const Vec3& normal);
   void list_changes();
 
   std::uint32_t light_;

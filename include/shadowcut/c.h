@@ -197,7 +197,7 @@ SHADOWCUT_API shadowcut_status shadowcut_scene_counts_init(shadowcut_scene_count
 SHADOWCUT_API shadowcut_status shadowcut_scene_count(const shadowcut_scene* scene, shadowcut_scene_counts* counts);
 /* Indices of the objects changed after a revision, the one changed longest ago first. At most `room` are written; `count` is how many
  * there are. */
-SHADOWCUT_API shadowcut_status shadowcut_scene_changed_since(const shadowcut_scene* scene, uint64_t revision, uint32_t room,
+SHADOWCUT_API shadowcut_status shadowcut_scene_changed_since(const shadowcut_scene* scene, const uint64_t* revision, uint32_t room,
                                                              uint32_t* indices, uint32_t* count);
 
 /* The scene flattened, in world coordinates. */
@@ -352,8 +352,8 @@ typedef struct shadowcut_engine shadowcut_engine;
 SHADOWCUT_API shadowcut_status shadowcut_engine_create(const shadowcut_scene* scene, const shadowcut_options* options,
                                                        shadowcut_engine** engine);
 SHADOWCUT_API void shadowcut_engine_destroy(shadowcut_engine* engine);
-/* Applies all edits since the last one; the first builds. After SHADOWCUT_OUT_OF_MEMORY every function of the engine's but compact and
- * destroy returns SHADOWCUT_MUST_COMPACT, until compact has succeeded. */
+/* Applies all edits since the last one; the first builds. Where memory runs out on the way, every function of the engine's but compact,
+ * progress and destroy returns SHADOWCUT_MUST_COMPACT from then on, until compact has succeeded. */
 SHADOWCUT_API shadowcut_status shadowcut_engine_update(shadowcut_engine* engine);
 /* Stops between objects once the time, in milliseconds, is up. */
 SHADOWCUT_API shadowcut_status shadowcut_engine_update_within(shadowcut_engine* engine, double ms);
@@ -463,9 +463,12 @@ SHADOWCUT_API void shadowcut_buffers_destroy(shadowcut_buffers* buffers);
 /* After every update of the engine: applies what it changed, at a cost in proportion to that. After one that was missed, or failed, or
  * with another engine than before, everything is filled anew. Out of memory: what the buffers hold is nobody's until the next call. */
 SHADOWCUT_API shadowcut_status shadowcut_buffers_update(shadowcut_buffers* buffers, const shadowcut_engine* engine);
-/* From shadows cast without an engine, for this scene. */
+/* From shadows, or a partition, and the scene that they are of. SHADOWCUT_REFUSED when they are not of the scene as it stands (not every
+ * such error can be seen), or buffers of one light are given a partition, or the reverse. */
 SHADOWCUT_API shadowcut_status shadowcut_buffers_fill(shadowcut_buffers* buffers, const shadowcut_scene* scene,
                                                       const shadowcut_shadows* shadows);
+SHADOWCUT_API shadowcut_status shadowcut_buffers_fill_sets(shadowcut_buffers* buffers, const shadowcut_scene* scene,
+                                                           const shadowcut_light_sets* sets);
 /* The next update fills everything anew. */
 SHADOWCUT_API shadowcut_status shadowcut_buffers_set_origin(shadowcut_buffers* buffers, const double* origin);
 

@@ -61,6 +61,12 @@ Stream stream_of(const FragmentBuffers& b, std::int32_t which) {
   }
 }
 
+// What buffers look up of a scene for a fragment.
+void require_in(const Scene& scene, std::uint32_t face, std::uint32_t facet) {
+  if (face < scene.faces().size() && facet < scene.facets().size() && scene.facets()[facet].plane < scene.planes().size()) return;
+  fail(SHADOWCUT_REFUSED, "a fragment is not of the scene as it stands");
+}
+
 shadowcut_range range_of(const FragmentBuffers::Range& range) { return {range.first, range.count}; }
 
 }  // namespace
@@ -102,7 +108,19 @@ shadowcut_status shadowcut_buffers_fill(shadowcut_buffers* buffers, const shadow
     FragmentBuffers& b = change(buffers);
     const Shadows& s = value_of(shadows);
     if (s.areas.size() != value_of(scene).faces().size()) fail(SHADOWCUT_REFUSED, "the shadows are not of the scene as it stands");
+    for (const Block& block : s.blocks) {
+      for (const Fragment& f : block.fragments) require_in(*scene->scene, f.face, f.facet);
+    }
     b.fill(*scene->scene, s);
+  });
+}
+shadowcut_status shadowcut_buffers_fill_sets(shadowcut_buffers* buffers, const shadowcut_scene* scene, const shadowcut_light_sets* sets) {
+  return guarded([&] {
+    FragmentBuffers& b = change(buffers);
+    const Scene& s = value_of(scene);
+    require_pointers(sets);
+    for (const LightSets::Fragment& f : sets->sets.fragments) require_in(s, f.face, f.facet);
+    b.fill(s, sets->sets);
   });
 }
 shadowcut_status shadowcut_buffers_set_origin(shadowcut_buffers* buffers, const double* origin) {

@@ -15,12 +15,13 @@ bool is_whole(const shadowcut_engine& engine) {
   }
 }
 
-// Runs an update. What was lent of the last one is gone before; the lights' handles are made room for before too, so that an update that
-// went well cannot fail afterwards.
-template <class Step>
-shadowcut_status advance(shadowcut_engine* engine, const Step& step) noexcept {
+// Runs an update, unless a check throws. What was lent of the last one is gone before; the lights' handles are made room for before too, so
+// that an update that went well cannot fail afterwards.
+template <class Check, class Step>
+shadowcut_status advance(shadowcut_engine* engine, const Check& check, const Step& step) noexcept {
   return guarded([&] {
     require_pointers(engine);
+    check();
     if (engine->lights.size() < engine->scene->lights().size()) engine->lights.resize(engine->scene->lights().size());
     engine->changes = nullptr;
     for (shadowcut_shadows& light : engine->lights) light.shadows = nullptr;
@@ -43,9 +44,6 @@ shadowcut_status advance(shadowcut_engine* engine, const Step& step) noexcept {
     engine->progress = 1;
   });
 }
-
-// Before updates that need an engine that is whole.
-void check_whole(const shadowcut_engine* engine) { whole(engine); }
 
 const LightChanges& light_changes(const shadowcut_engine* engine, std::uint32_t i) {
   const Changes& changes = changes_of(engine);
@@ -89,21 +87,22 @@ shadowcut_status shadowcut_engine_create(const shadowcut_scene* scene, const sha
 void shadowcut_engine_destroy(shadowcut_engine* engine) { delete engine; }
 
 shadowcut_status shadowcut_engine_update(shadowcut_engine* engine) {
-  return advance(engine, [&](Engine& e) -> const Changes& {
-    check_whole(engine);
-    return e.update();
-  });
+  return advance(
+      engine, [&] { whole(engine); }, [](Engine& e) -> const Changes& { return e.update(); });
 }
 shadowcut_status shadowcut_engine_update_within(shadowcut_engine* engine, double ms) {
-  return advance(engine, [&](Engine& e) -> const Changes& {
+  const auto check = [&] {
     require(ms >= 0, "a time is negative, or no number");
-    check_whole(engine);
-    constexpr double most = 1e12;  // some thirty years
+    whole(engine);
+  };
+  return advance(engine, check, [ms](Engine& e) -> const Changes& {
+    constexpr double most = 1e12;  // some thirty years, and fits into the clock's nanoseconds
     return e.update(std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(ms, most) * 1e6)));
   });
 }
 shadowcut_status shadowcut_engine_compact(shadowcut_engine* engine) {
-  return advance(engine, [](Engine& e) -> const Changes& { return e.compact(); });
+  return advance(
+      engine, [] {}, [](Engine& e) -> const Changes& { return e.compact(); });
 }
 shadowcut_status shadowcut_engine_progress(const shadowcut_engine* engine, double* share) {
   return guarded([&] {

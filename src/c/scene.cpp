@@ -368,12 +368,13 @@ shadowcut_status shadowcut_scene_count(const shadowcut_scene* scene, shadowcut_s
   });
 }
 
-shadowcut_status shadowcut_scene_changed_since(const shadowcut_scene* scene, uint64_t revision, uint32_t room, uint32_t* indices,
+shadowcut_status shadowcut_scene_changed_since(const shadowcut_scene* scene, const uint64_t* revision, uint32_t room, uint32_t* indices,
                                                uint32_t* count) {
   return guarded([&] {
+    require_pointers(revision);
     require_pointers(count);
     require(indices != nullptr || room == 0, "a pointer is null");
-    const std::vector<std::uint32_t> changed = value_of(scene).changed_since(revision);
+    const std::vector<std::uint32_t> changed = value_of(scene).changed_since(*revision);
     *count = count_of(changed.size());
     std::copy_n(changed.begin(), std::min(room, *count), indices);
   });

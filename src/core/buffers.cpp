@@ -170,13 +170,14 @@ FragmentBuffers::Place FragmentBuffers::add(const Scene& scene, const Source& so
   const auto count = static_cast<std::uint32_t>(corners_.size());
   const Place place = take(count);
   std::uint32_t vertex = place.first_vertex, index = place.first_index;
+  write_source(vertex, vertices_of(count), source, object, normal);
   if (layout_.indexed) {
-    for (const Vec3& x : corners_) write(vertex++, source, object, x, normal);
+    for (const Vec3& x : corners_) write_position(vertex++, x);
     for (std::uint32_t i = 2; i < count; ++i)
       for (const std::uint32_t k : {0u, i - 1, i}) indices_[index++] = place.first_vertex + k;
   } else {
     for (std::uint32_t i = 2; i < count; ++i)
-      for (const std::uint32_t k : {0u, i - 1, i}) write(vertex++, source, object, corners_[k], normal);
+      for (const std::uint32_t k : {0u, i - 1, i}) write_position(vertex++, corners_[k]);
   }
   ++fragment_count_;
   if (!anew_) touched_.push_back(place);
@@ -185,8 +186,8 @@ FragmentBuffers::Place FragmentBuffers::add(const Scene& scene, const Source& so
 
 void FragmentBuffers::remove(const Place& place) {
   const std::uint32_t vertices = vertices_of(place.corners), indices = indices_of(place.corners);
-  for (std::uint32_t v = place.first_vertex; v < place.first_vertex + vertices; ++v)
-    write(v, {none, none, false, {}}, none, layout_.origin, Vec3::Zero());
+  write_source(place.first_vertex, vertices, {none, none, false, {}}, none, Vec3::Zero());
+  for (std::uint32_t v = place.first_vertex; v < place.first_vertex + vertices; ++v) write_position(v, layout_.origin);
   std::fill_n(indices_.begin() + place.first_index, indices, place.first_vertex);
   holes_[place.corners].push_back(place);
   hole_vertices_ += vertices;
@@ -238,19 +239,28 @@ void FragmentBuffers::set_mask_words(std::size_t lights) {
   grown_ = true;
 }
 
-void FragmentBuffers::write(std::uint32_t vertex, const Source& source, std::uint32_t object, const Vec3& position, const Vec3& normal) {
-  const std::size_t v = vertex;
+void FragmentBuffers::write_position(std::size_t vertex, const Vec3& position) {
   const Vec3 x = position - layout_.origin;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto axis = static_cast<Eigen::Index>(k);
-    if (layout_.doubles) double_positions_[3 * v + k] = x[axis];
-    else positions_[3 * v + k] = static_cast<float>(x[axis]);
-    if (layout_.normals) normals_[3 * v + k] = static_cast<float>(normal[axis]);
+  if (layout_.doubles) {
+    std::copy_n(x.data(), 3, double_positions_.data() + 3 * vertex);
+  } else {
+    for (Eigen::Index k = 0; k < 3; ++k) positions_[3 * vertex + static_cast<std::size_t>(k)] = static_cast<float>(x[k]);
   }
-  if (layout_.faces) faces_[v] = source.face;
-  if (layout_.objects) objects_[v] = object;
-  if (layout_.states) states_[v] = source.lit ? 1 : 0;
-  for (std::uint32_t w = 0; w < mask_words_; ++w) masks_[v * mask_words_ + w] = w < source.mask.size() ? source.mask[w] : 0;
+}
+
+// What a fragment's vertices have in common.
+void FragmentBuffers::write_source(std::size_t first, std::size_t count, const Source& source, std::uint32_t object, const Vec3& normal) {
+  if (layout_.normals) {
+    const Eigen::Vector3f n = normal.cast<float>();
+    for (std::size_t v = first; v < first + count; ++v) std::copy_n(n.data(), 3, normals_.data() + 3 * v);
+  }
+  if (layout_.faces) std::fill_n(faces_.data() + first, count, source.face);
+  if (layout_.objects) std::fill_n(objects_.data() + first, count, object);
+  if (layout_.states) std::fill_n(states_.data() + first, count, static_cast<std::uint8_t>(source.lit ? 1 : 0));
+  for (std::size_t w = 0; w < mask_words_; ++w) {
+    const std::uint32_t word = w < source.mask.size() ? source.mask[w] : 0;
+    for (std::size_t v = first; v < first + count; ++v) masks_[v * mask_words_ + w] = word;
+  }
 }
 
 void FragmentBuffers::list_changes() {
