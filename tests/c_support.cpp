@@ -1,29 +1,14 @@
 // See c_support.h.
 #include "c_support.h"
 
-#include <atomic>
 #include <cstdio>
 #include <cstdlib>
-#include <new>
 #include <shadowcut/shadows.hpp>
 
+#include "failing_new.hpp"
 #include "scenes.hpp"
 
 namespace {
-
-std::atomic<std::int64_t> left{-1};  // allocations until one fails; below 0: none does
-std::atomic<bool> failed{false};
-
-void* allocate(std::size_t size, std::size_t alignment) {
-  if (left.load() >= 0 && left.fetch_sub(1) == 0) {
-    failed = true;
-    throw std::bad_alloc();
-  }
-  void* p = alignment <= alignof(std::max_align_t) ? std::malloc(size ? size : 1)
-                                                   : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
-  if (!p) throw std::bad_alloc();
-  return p;
-}
 
 void expect_ok(shadowcut_status status) {
   if (status == SHADOWCUT_OK) return;
@@ -58,19 +43,6 @@ shadowcut_object_id enter(shadowcut_scene* scene, const shadowcut::Mesh& mesh, c
 
 }  // namespace
 
-void* operator new(std::size_t size) { return allocate(size, 1); }
-void* operator new[](std::size_t size) { return allocate(size, 1); }
-void* operator new(std::size_t size, std::align_val_t a) { return allocate(size, static_cast<std::size_t>(a)); }
-void* operator new[](std::size_t size, std::align_val_t a) { return allocate(size, static_cast<std::size_t>(a)); }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete[](void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
-
 uint32_t support_scene(const char* name, int sun, shadowcut_scene* scene, shadowcut_object_id* ids) {
   const shadowcut::scenes::SceneData data = shadowcut::scenes::named(name);
   std::uint32_t count = 0;
@@ -102,6 +74,6 @@ uint32_t support_areas(const char* name, uint32_t light, int32_t kernel, double*
 }
 
 int support_fail_allocation(int64_t n) {
-  left = n;
-  return failed.exchange(false) ? 1 : 0;
+  using namespace shadowcut::testing;
+  return allocations_left.exchange(n < 0 ? never : n) < 0 ? 1 : 0;
 }

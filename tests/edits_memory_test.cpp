@@ -1,63 +1,15 @@
-// When memory runs out. This program has an operator new of its own, which fails at the n-th allocation from now, for every n in turn: an
-// edit then leaves the scene as it was, and an engine either is right or says that it must be built anew.
+// When memory runs out: operator new fails at the n-th allocation from now, for every n in turn. An edit then leaves the scene as it was, and
+// an engine either is right or says that it must be built anew.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <functional>
-#include <limits>
 #include <new>
 #include <optional>
 
 #include "check.hpp"
 #include "edit_checks.hpp"
 #include "edit_scripts.hpp"
-
-namespace {
-
-constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
-std::atomic<std::int64_t> left{never};  // allocations until one fails; then all go well again
-std::atomic<std::int64_t> blocks{0};    // now allocated
-
-void* allocate(std::size_t size, std::size_t alignment) {
-  if (left.load(std::memory_order_relaxed) != never && left.fetch_sub(1) == 0) throw std::bad_alloc();
-  void* p = alignment <= alignof(std::max_align_t) ? std::malloc(size ? size : 1)
-                                                   : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
-  if (!p) throw std::bad_alloc();
-  ++blocks;
-  return p;
-}
-
-void release(void* p) noexcept {
-  if (!p) return;
-  --blocks;
-  std::free(p);
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) { return allocate(size, 1); }
-void* operator new[](std::size_t size) { return allocate(size, 1); }
-void* operator new(std::size_t size, std::align_val_t a) { return allocate(size, static_cast<std::size_t>(a)); }
-void* operator new[](std::size_t size, std::align_val_t a) { return allocate(size, static_cast<std::size_t>(a)); }
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  try {
-    return allocate(size, 1);
-  } catch (...) {
-    return nullptr;
-  }
-}
-void* operator new[](std::size_t size, const std::nothrow_t& t) noexcept { return operator new(size, t); }
-void operator delete(void* p) noexcept { release(p); }
-void operator delete[](void* p) noexcept { release(p); }
-void operator delete(void* p, std::size_t) noexcept { release(p); }
-void operator delete[](void* p, std::size_t) noexcept { release(p); }
-void operator delete(void* p, std::align_val_t) noexcept { release(p); }
-void operator delete[](void* p, std::align_val_t) noexcept { release(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { release(p); }
-void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { release(p); }
-void operator delete(void* p, const std::nothrow_t&) noexcept { release(p); }
-void operator delete[](void* p, const std::nothrow_t&) noexcept { release(p); }
+#include "failing_new.hpp"
 
 namespace shadowcut::testing {
 namespace {
@@ -67,15 +19,15 @@ enum class Outcome { done, out_of_memory, done_in_spite };
 // Runs a step in which the n-th allocation fails.
 template <class Step>
 Outcome with_failure_at(std::int64_t n, const Step& step) {
-  left = n;
+  allocations_left = n;
   bool failed = false;
   try {
     step();
   } catch (const std::bad_alloc&) {
     failed = true;
   }
-  const bool reached = left < 0;
-  left = never;
+  const bool reached = allocations_left < 0;
+  allocations_left = never;
   return failed ? Outcome::out_of_memory : reached ? Outcome::done_in_spite : Outcome::done;
 }
 
@@ -314,15 +266,15 @@ TEST(Memory, IsFlatOverAThousandRounds) {
       engine.update();
       script.swing(script.size() - 1);
       engine.update();
-      if (k == 20) after_some = blocks;
+      if (k == 20) after_some = blocks_allocated;
     }
-    EXPECT_LE(blocks, after_some + 16);
+    EXPECT_LE(blocks_allocated, after_some + 16);
   }
 }
 
 TEST(Memory, AllIsGivenBack) {
   const auto live = [](std::uint64_t seed) {
-    const std::int64_t before = blocks;
+    const std::int64_t before = blocks_allocated;
     {
       EditScript script(setting_named("stacks"), seed);
       Engine engine(script.scene(), options_of(kCases[seed % 4]));
@@ -331,7 +283,7 @@ TEST(Memory, AllIsGivenBack) {
         script.step();
       }
     }
-    return blocks - before;
+    return blocks_allocated - before;
   };
   live(0);  // what is made once
   for (std::uint64_t seed = 1; seed < 9; ++seed) EXPECT_EQ(live(seed), 0) << "seed " << seed;
