@@ -54,6 +54,7 @@ void expect_answers_nothing(Engine& engine) {
   EXPECT_THROW(engine.shadows(0), Error);
   EXPECT_THROW(engine.find(0, {0, 0, 0}), Error);
   EXPECT_THROW(engine.combined(), Error);
+  EXPECT_THROW(engine.combined({}), Error);
   EXPECT_THROW(engine.validate(), Error);
 }
 

@@ -1,7 +1,10 @@
 // What may change without changing the shadows: order, threads, prefix, form, and the distance of a far light.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <shadowcut/buffers.hpp>
 #include <thread>
 
 #include "check.hpp"
@@ -290,6 +293,56 @@ TEST(Invariance, CombinedTakesMoreLightsThanAWordHasBits) {
   for (std::size_t k = 0; k < 70; ++k) {
     const std::vector<double> lit = lit_areas(scene, sets, k);
     EXPECT_NEAR(lit[0], engine.shadows(k).areas[0].lit, 64e-9);
+  }
+
+  BufferLayout layout;
+  layout.doubles = layout.masks = true;
+  FragmentBuffers buffers(FragmentBuffers::all_lights, layout);
+  buffers.fill(engine);
+  ASSERT_EQ(buffers.mask_words(), 3u);
+  std::vector<double> lit(70);
+  for (std::size_t v = 0; v < buffers.vertex_count(); v += 3) {
+    if (buffers.faces()[v] != 0) continue;
+    std::array<Vec3, 3> triangle;
+    for (std::size_t i = 0; i < 3; ++i) triangle[i] = Vec3(buffers.double_positions().data() + 3 * (v + i));
+    for (std::size_t k = 0; k < 70; ++k)
+      if (buffers.masks()[3 * v + k / 32] >> (k % 32) & 1) lit[k] += polygon_area(triangle);
+  }
+  for (std::size_t k = 0; k < 70; ++k) EXPECT_NEAR(lit[k], engine.shadows(k).areas[0].lit, 64e-9) << "light " << k;
+}
+
+// On chosen faces, it is that part of the whole, to the bit.
+TEST(Invariance, CombinedOnChosenFaces) {
+  for (const Kernel kernel : {Kernel::fast, Kernel::single}) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      const SceneData data = random_scene(kAllKinds[seed % std::size(kAllKinds)], 300 + seed);
+      Scene scene = scenes::build(data);
+      scenes::Random random(seed);
+      scene.add(random_light(kAllKinds[seed % std::size(kAllKinds)], random));
+      Options options;
+      options.kernel = kernel;
+      Engine engine(scene, options);
+      engine.update();
+      std::vector<std::uint32_t> faces{none};  // it is passed over
+      std::vector<bool> chosen;
+      for (std::uint32_t f = 0; f < scene.faces().size(); ++f) {
+        chosen.push_back(random.below(3) == 0);
+        if (chosen.back()) faces.push_back(f);
+      }
+      const LightSets all = engine.combined(), part = engine.combined(faces);
+      std::size_t at = 0;
+      for (std::size_t i = 0; i < all.fragments.size(); ++i) {
+        if (!chosen[all.fragments[i].face]) continue;
+        ASSERT_LT(at, part.fragments.size());
+        EXPECT_EQ(part.fragments[at].facet, all.fragments[i].facet);
+        const auto got = part.corners_of(part.fragments[at]), wanted = all.corners_of(all.fragments[i]);
+        EXPECT_TRUE(std::equal(got.begin(), got.end(), wanted.begin(), wanted.end()));
+        EXPECT_EQ(part.lights[at], all.lights[i]);
+        ++at;
+      }
+      EXPECT_EQ(at, part.fragments.size());
+    }
   }
 }
 
