@@ -790,6 +790,11 @@ class Render(Cli):
             size, _ = self.picture(technique, "--size", "64x48", "--quiet")
             self.assertEqual(size, (64, 48))
 
+    def test_maps_and_wind_have_settings(self):
+        self.picture("shadow-map", "--size", "64x48", "--map-size", "256", "--bias", "2,8,1", "--wind", "0.01,0.02")
+        self.picture("shadow-texture", "--size", "64x48", "--map-size", "256")
+        self.picture("stencil-kolic", "--size", "64x48", "--wind", "0.01,0.02")
+
     def test_json(self):
         _, result = self.picture("stencil-hybrid", "--size", "80x60", "--json", "-")
         report = json.loads(result.stdout)
@@ -805,6 +810,11 @@ class Render(Cli):
             self.refused("render", room, *light, "--technique", "fragments", "--camera", camera, "-o", out, says=["camera"])
         for size in ("0x10", "10x0", "-5x5", "10", "10x", "x10", "10x10x10", "1e2x5", "100000000x1", "99999999999x1"):
             self.refused("render", room, *light, *good, "--size", size, "-o", out)
+        for options in (("--map-size", "512"), ("--bias", "1,2,3"), ("--wind", "0.1,0")):
+            self.refused("render", room, *light, *good, *options, "-o", out)
+        map_of = ("--technique", "shadow-map", "--camera", self.CAMERA)
+        for options in (("--map-size", "0"), ("--map-size", "100000000"), ("--bias", "1,2"), ("--wind", "a,b"), ("--wind", "1,2,3")):
+            self.refused("render", room, *light, *map_of, *options, "-o", out)
         self.refused("render", room, *light, *good, "-o", self.path("out.jpg"), says=["out.jpg"])
         self.refused("render", room, *light, *good, "-o", os.path.join(self.folder, "no", "out.png"), says=["out.png"])
         self.refused("render", room, *light, *good)

@@ -1,6 +1,7 @@
 // The program's commands and their arguments.
 #pragma once
 
+#include <optional>
 #include <shadowcut/io.hpp>
 #include <string>
 #include <vector>
@@ -50,6 +51,8 @@ struct RenderArguments {
   std::vector<std::string> lights;
   std::string technique, camera, output;
   int width = 640, height = 480;
+  std::string wind, bias;       // empty: none, the usual
+  std::optional<int> map_side;  // the usual
   io::ReadOptions reading;
   std::string json;  // empty: none
   bool quiet = false;

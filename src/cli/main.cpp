@@ -141,6 +141,13 @@ void add_render(CLI::App& app, RenderArguments& a) {
   CLI::App& command = *app.add_subcommand("render", "Draw a scene with OpenGL, its shadows by one of several techniques");
   add_lit_scene(command, a);
   add_picture(command, a, true);
+  command.add_option("--map-size", a.map_side, "Pixels a side, of a shadow map or a light's view of shadow textures (2048)")
+      ->type_name("N");
+  command.add_option("--bias", a.bias, "Of a shadow map: per slope, steps of depth, texels off the face (1.1,4,0.5)")
+      ->type_name("SLOPE,UNITS,TEXELS");
+  command
+      .add_option("--wind", a.wind, "Bends the scene in the vertex shader: x,y by which what is one unit above the lowest point is carried")
+      ->type_name("X,Y");
   command.add_option("-o", a.output, "The picture, .png")->required()->type_name("FILE");
 }
 

@@ -1,4 +1,6 @@
 // The command render: a picture of a scene, its shadows by one of the techniques of src/render.
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
@@ -24,9 +26,39 @@ std::string json_text(const RenderArguments& a, const std::vector<NamedLight>& l
   return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
+render::MapSettings map_settings(const RenderArguments& a) {
+  render::MapSettings map;
+  const bool texture = a.technique == "shadow-texture";
+  if (a.map_side) {
+    if (!texture && a.technique != "shadow-map") throw Error("--map-size: " + a.technique + " has no map");
+    map.side = *a.map_side;
+  }
+  if (!a.bias.empty()) {
+    if (a.technique != "shadow-map") throw Error("--bias: is of shadow-map alone");
+    const std::vector<double> bias = parse_numbers_of("--bias", a.bias, "SLOPE,UNITS,TEXELS");
+    map.slope_bias = static_cast<float>(bias[0]), map.unit_bias = static_cast<float>(bias[1]), map.texel_bias = static_cast<float>(bias[2]);
+  }
+  return map;
+}
+
+// It bends what is above the scene's lowest point.
+render::Wind wind_of(const std::string& text, const Scene& scene) {
+  render::Wind wind;
+  if (text.empty()) return wind;
+  const std::vector<double> sway = parse_numbers_of("--wind", text, "X,Y");
+  double foot = std::numeric_limits<double>::infinity();
+  for (const Facet& facet : scene.facets())
+    for (const Corner& corner : scene.corners_of(facet)) foot = std::min(foot, scene.vertices()[corner.vertex].z());
+  wind.sway = Vec3(sway[0], sway[1], 0).cast<float>();
+  wind.foot = std::isfinite(foot) ? static_cast<float>(foot) : 0;
+  return wind;
+}
+
 }  // namespace
 
 void render_picture(const RenderArguments& a) {
+  render::check_technique(a.technique);
+  const render::MapSettings map = map_settings(a);
   check_folder(a.output);
   if (!a.json.empty() && a.json != "-") check_folder(a.json);
   if (io::extension_of(a.output) != ".png") throw Error("-o: '" + a.output + "' does not end in .png");
@@ -38,8 +70,9 @@ void render_picture(const RenderArguments& a) {
 
   const render::OffscreenContext context;
   const render::Target target(a.width, a.height);
-  const render::Model model(scene);
-  const auto technique = render::make_technique(a.technique, scene, model);
+  render::Model model(scene);
+  model.set_wind(wind_of(a.wind, scene));
+  const auto technique = render::make_technique(a.technique, scene, model, map);
   target.bind();
   const Clock::time_point start = Clock::now();
   render::draw(model.frame(camera, a.width, a.height), scene, model, *technique);

@@ -1,6 +1,7 @@
 // Lights and drawings from words; see specs.hpp.
 #include "specs.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -109,6 +110,13 @@ std::pair<int, int> parse_size(const std::string& spec) {
   if (!parted || bad_height != std::errc() || rest != end || width <= 0 || height <= 0)
     throw Error("--size: '" + spec + "' is not WIDTHxHEIGHT in pixels");
   return {width, height};
+}
+
+std::vector<double> parse_numbers_of(const std::string& option, const std::string& text, const std::string& form) {
+  const auto numbers = parse_numbers(text);
+  const auto count = static_cast<std::size_t>(std::count(form.begin(), form.end(), ',')) + 1;
+  if (!numbers || numbers->size() != count) throw Error(option + ": '" + text + "' is not " + form);
+  return *numbers;
 }
 
 double parse_share(const std::string& option, const std::string& text) {

@@ -5,6 +5,7 @@
 #include <shadowcut/io.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace shadowcut::cli {
 
@@ -26,6 +27,9 @@ std::pair<int, int> parse_size(const std::string& spec);
 // The kernels by their names, and back.
 const std::map<std::string, Kernel>& kernels();
 const char* kernel_name(Kernel kernel);
+
+// As many finite numbers with commas between as `form` has names.
+std::vector<double> parse_numbers_of(const std::string& option, const std::string& text, const std::string& form);
 
 // A number from 0 to 1.
 double parse_share(const std::string& option, const std::string& text);

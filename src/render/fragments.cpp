@@ -116,12 +116,7 @@ class Fragments : public Technique {
     glBlendFunc(GL_ONE, GL_ONE);
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(-0.25f, -4);
-    // Once a pixel: corners go to the driver as floats, and two fragments that meet in them may both cover a pixel.
-    glEnable(GL_STENCIL_TEST);
-    glStencilMask(0xFF);
-    glClear(GL_STENCIL_BUFFER_BIT);
-    glStencilFunc(GL_EQUAL, 0, 0xFF);
-    glStencilOp(GL_KEEP, GL_KEEP, GL_INCR);
+    Model::once_a_pixel();  // corners go to the driver as floats, and two fragments that meet in them may both cover a pixel
     buffers_[light].draw();
     glDisable(GL_STENCIL_TEST);
     glDisable(GL_POLYGON_OFFSET_FILL);

@@ -8,8 +8,9 @@
 namespace shadowcut::render {
 namespace {
 
-// Every program that draws surfaces has this, so that depths of one vertex are one number.
-const std::string common_vertex_shader = R"(
+// Every program that draws surfaces has this, so that depths of one vertex are one number. A normal is bent by the inverse of the
+// transposed derivative of the motion: that says which way the facet faces; the drawn triangle's own normal is found where it is needed.
+const std::string common_vertex_shader = Model::bending_shader() + R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 colour;
@@ -19,10 +20,11 @@ flat out vec3 n;
 flat out vec4 paint;
 invariant gl_Position;
 void main() {
-  x = position;
-  n = normal;
+  x = bent(position);
+  vec3 turn = 2.0 * sway * max(position.z - foot, 0.0);
+  n = normal - vec3(0.0, 0.0, dot(turn, normal) / (1.0 + turn.z));
   paint = colour;
-  gl_Position = clip * vec4(position, 1.0);
+  gl_Position = clip * vec4(x, 1.0);
 }
 )";
 
@@ -45,15 +47,22 @@ uniform vec4 light;
 uniform vec4 axis;
 uniform float range;
 uniform float share;
+uniform vec3 sway;
 out vec4 pixel;
+vec3 facet_normal() {
+  if (sway == vec3(0.0)) return n;
+  vec3 drawn = normalize(cross(dFdx(x), dFdy(x)));
+  return dot(drawn, n) < 0.0 ? -drawn : drawn;
+}
 void main() {
+  vec3 normal = facet_normal();
   vec3 to_light = light.w > 0.5 ? light.xyz - x : -light.xyz;
-  float facing = dot(n, to_light);
-  bool seen = facing * dot(n, eye - x) > 0.0 && (paint.a < 0.5 || facing > 0.0);
+  float facing = dot(normal, to_light);
+  bool seen = facing * dot(normal, eye - x) > 0.0 && (paint.a < 0.5 || facing > 0.0);
   bool within = length(to_light) <= range && (axis.w < -1.5 || dot(axis.xyz, -normalize(to_light)) >= axis.w);
   if (!seen || !within) discard;  // and leaves the pixel to the face beside it, where each may draw once
   float slant = abs(facing) / length(to_light);
-  pixel = vec4(paint.rgb * share * (0.4 + 0.6 * slant) * reached(x, n), 1.0);
+  pixel = vec4(paint.rgb * share * (0.4 + 0.6 * slant) * reached(x, normal), 1.0);
 }
 )";
 
@@ -174,6 +183,23 @@ VertexArray Model::array_of(const Buffer& vertices) {
   return array;
 }
 
+const std::string& Model::bending_shader() {
+  static const std::string text = R"(
+uniform vec3 sway;
+uniform float foot;
+vec3 bent(vec3 x) {
+  float high = max(x.z - foot, 0.0);
+  return x + sway * (high * high);
+}
+)";
+  return text;
+}
+
+void Model::use_wind(const Program& program) const {
+  program.set("sway", wind_.sway);
+  program.set("foot", wind_.foot - static_cast<float>(origin_.z()));
+}
+
 std::string Model::lit_vertex_shader() { return common_vertex_shader; }
 std::string Model::lit_fragment_shader(const std::string& reached) { return reached + lit_main; }
 
@@ -214,6 +240,7 @@ void Model::draw_ambient(const Frame& frame) const {
   ambient_.use();
   ambient_.set("clip", frame.shifted_clip);
   ambient_.set("share", ambient_share);
+  use_wind(ambient_);
   draw_triangles(true);
   draw_triangles(false);
 }
@@ -223,6 +250,7 @@ void Model::use_light(const Program& program, const Frame& frame, const Light& l
   const Vec3f at = point ? shifted(light.at) : light.at.stableNormalized().cast<float>().eval();
   program.use();
   program.set("clip", frame.shifted_clip);
+  use_wind(program);
   program.set("eye", frame.eye);
   program.set("light", Eigen::Vector4f(at.x(), at.y(), at.z(), point ? 1.f : 0.f));
   program.set("range", point && std::isfinite(light.range) ? static_cast<float>(light.range) : std::numeric_limits<float>::max());
@@ -233,6 +261,14 @@ void Model::use_light(const Program& program, const Frame& frame, const Light& l
   }
   program.set("axis", axis);
   program.set("share", (1 - ambient_share) / static_cast<float>(lights));
+}
+
+void Model::once_a_pixel() {
+  glEnable(GL_STENCIL_TEST);
+  glStencilMask(0xFF);
+  glClear(GL_STENCIL_BUFFER_BIT);
+  glStencilFunc(GL_EQUAL, 0, 0xFF);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_INCR);
 }
 
 void Model::add_light(const Frame& frame, const Light& light, std::size_t lights, bool receivers) const {

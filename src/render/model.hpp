@@ -35,6 +35,13 @@ struct Vertex {
   Paint colour;
 };
 
+// A wind that bends everything above `foot` in the vertex shader: what is h above it is carried by sway h^2. Only what techniques make of
+// vertices on the way to the screen follows (Technique::bends).
+struct Wind {
+  Vec3f sway = Vec3f::Zero();  // one over the scene's unit
+  float foot = 0;              // z, scene units
+};
+
 constexpr float ambient_share = 0.35f;  // of a face's colour; the lights share the rest
 
 class Model {
@@ -43,6 +50,12 @@ class Model {
 
   // Uploads again what an object's motion changed; another number of facets anywhere makes all anew.
   void scene_changed(const Scene& scene);
+
+  void set_wind(const Wind& wind) { wind_ = wind; }
+  const Wind& wind() const { return wind_; }
+  // GLSL: vec3 bent(vec3 x), of the model's coordinates; and what it needs, for the program in use.
+  static const std::string& bending_shader();
+  void use_wind(const Program& program) const;
 
   Frame frame(const Camera& camera, int width, int height) const;
   Vec3f shifted(const Vec3& world) const { return (world - origin_).cast<float>(); }
@@ -54,6 +67,8 @@ class Model {
   void draw_ambient(const Frame& frame) const;
   // Adds a light's share, where depths are equal, to the faces that receive; or to those that do not.
   void add_light(const Frame& frame, const Light& light, std::size_t lights, bool receivers) const;
+  // Of what is drawn next, only the first at each pixel is kept, until the stencil test is switched off. Clears the stencil buffer.
+  static void once_a_pixel();
   // The program behind that, for other geometry in the model's coordinates. `more` is GLSL put before main(): float reached(vec3 x, vec3
   // n), the share of the light that comes to a point.
   static std::string lit_vertex_shader();
@@ -83,6 +98,7 @@ class Model {
   VertexArray array_;
   std::vector<Range> ranges_;  // by object
   std::uint64_t known_ = 0;
+  Wind wind_;
   std::array<GLsizei, 5> ends_{};  // vertices: of faces that receive and cast, only receive, only cast, do neither; first a 0
   Program ambient_, lit_;
 };

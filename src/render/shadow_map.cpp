@@ -1,19 +1,16 @@
 // The depth map that everyone knows: L. Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978. For a point light a cube of
-// six images, for a directional one an image as large as the scene. Against self-shadowing, what is drawn is moved away from the light by
-// slope x 1.1 + 4 units (glPolygonOffset), and what is looked up half a texel off its face.
+// six images, for a directional one an image as large as the scene. Against self-shadowing, what is drawn is moved away from the light
+// (glPolygonOffset), and what is looked up off its face.
 #include "light_projection.hpp"
 #include "technique.hpp"
 
 namespace shadowcut::render {
 namespace {
 
-constexpr int side = 2048;
-constexpr float slope_bias = 1.1f, unit_bias = 4;
-
-const char* const depth_vertex_shader = R"(
+const std::string depth_vertex_shader = Model::bending_shader() + R"(
 layout(location = 0) in vec3 position;
 uniform mat4 clip;
-void main() { gl_Position = clip * vec4(position, 1.0); }
+void main() { gl_Position = clip * vec4(bent(position), 1.0); }
 )";
 
 // The cube map is asked along the ray, with the depth that the ray's face gives: `nearest` / the largest component, as the projection makes
@@ -23,10 +20,11 @@ uniform samplerCubeShadow map;
 uniform vec4 place;
 uniform float nearest;
 uniform float texel;
+uniform float off_face;
 float reached(vec3 x, vec3 n) {
   vec3 off = x - place.xyz;
   float far = max(abs(off.x), max(abs(off.y), abs(off.z)));
-  vec3 ray = off - n * sign(dot(n, off)) * (0.5 * texel * far);
+  vec3 ray = off - n * sign(dot(n, off)) * (off_face * texel * far);
   far = max(abs(ray.x), max(abs(ray.y), abs(ray.z)));
   return texture(map, vec4(ray, 1.0 - nearest / far));
 }
@@ -37,25 +35,29 @@ uniform sampler2DShadow map;
 uniform mat4 map_clip;
 uniform vec3 travel;
 uniform float texel;
+uniform float off_face;
 float reached(vec3 x, vec3 n) {
-  vec4 p = map_clip * vec4(x - n * sign(dot(n, travel)) * (0.5 * texel), 1.0);
+  vec4 p = map_clip * vec4(x - n * sign(dot(n, travel)) * (off_face * texel), 1.0);
   return texture(map, p.xyz * 0.5 + 0.5);
 }
 )";
 
 class ShadowMap : public Technique {
  public:
-  ShadowMap(const Scene& scene, const Model& model)
+  ShadowMap(const Scene& scene, const Model& model, const MapSettings& settings)
       : scene_(scene),
         model_(model),
+        settings_(settings),
         depth_(depth_vertex_shader, "void main() {}"),
         cube_lit_(Model::lit_vertex_shader(), Model::lit_fragment_shader(cube_lookup)),
         flat_lit_(Model::lit_vertex_shader(), Model::lit_fragment_shader(flat_lookup)),
         framebuffer_(make_framebuffer()) {}
 
   void update() override {
-    if (known_ == scene_.revision()) return;
+    const Wind& wind = model_.wind();
+    if (known_ == scene_.revision() && wind.sway == wind_.sway && wind.foot == wind_.foot) return;
     known_ = scene_.revision();
+    wind_ = wind;
     GLint before = 0, viewport[4];
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &before);
     glGetIntegerv(GL_VIEWPORT, viewport);
@@ -73,6 +75,7 @@ class ShadowMap : public Technique {
     model_.use_light(program, frame, light, scene_.lights().size());
     program.set("map", 0);
     program.set("texel", maps_[k].texel);
+    program.set("off_face", settings_.texel_bias);
     if (point) {
       const Vec3f at = model_.shifted(light.at);
       program.set("place", Eigen::Vector4f(at.x(), at.y(), at.z(), 1));
@@ -87,11 +90,14 @@ class ShadowMap : public Technique {
     glDepthFunc(GL_EQUAL);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
+    Model::once_a_pixel();
     model_.draw_triangles(true);
+    glDisable(GL_STENCIL_TEST);
     glDisable(GL_BLEND);
   }
 
-  Figures figures() const override { return {{"map_side", side}}; }
+  Figures figures() const override { return {{"map_side", settings_.side}}; }
+  bool bends() const override { return true; }
 
  private:
   struct Map {
@@ -102,8 +108,9 @@ class ShadowMap : public Technique {
 
   Map map_of(const Light& light) {
     const bool point = light.kind == Light::Kind::point;
+    const int side = settings_.side;
     const GLenum kind = point ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D;
-    Map map{make_texture(), Mat4f::Identity(), static_cast<float>(model_.radius() / 512), 2.f / side};
+    Map map{make_texture(), Mat4f::Identity(), static_cast<float>(model_.radius() / 512), 2.f / static_cast<float>(side)};
     glBindTexture(kind, map.texture.get());
     for (int face = 0; face < (point ? 6 : 1); ++face)
       glTexImage2D(point ? GL_TEXTURE_CUBE_MAP_POSITIVE_X + static_cast<GLenum>(face) : kind, 0, GL_DEPTH_COMPONENT32F, side, side, 0,
@@ -127,7 +134,7 @@ class ShadowMap : public Technique {
     const Vec3f d = light.at.stableNormalized().cast<float>(), u = d.unitOrthogonal(), v = d.cross(u);
     const float size = static_cast<float>(model_.radius()) * 1.001f;
     map.clip.row(0).head<3>() = u / size, map.clip.row(1).head<3>() = v / size, map.clip.row(2).head<3>() = d / size;
-    map.texel = 2 * size / side;
+    map.texel = 2 * size / static_cast<float>(settings_.side);
     draw_depths(GL_TEXTURE_2D, map, map.clip);
   }
 
@@ -136,29 +143,34 @@ class ShadowMap : public Technique {
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, image, map.texture.get(), 0);
     glDrawBuffer(GL_NONE);
     glReadBuffer(GL_NONE);
-    glViewport(0, 0, side, side);
+    glViewport(0, 0, settings_.side, settings_.side);
     glEnable(GL_DEPTH_TEST);
     glDepthMask(GL_TRUE);
     glDepthFunc(GL_LESS);
     glClear(GL_DEPTH_BUFFER_BIT);
     glEnable(GL_POLYGON_OFFSET_FILL);
-    glPolygonOffset(slope_bias, unit_bias);
+    glPolygonOffset(settings_.slope_bias, settings_.unit_bias);
     depth_.use();
     depth_.set("clip", clip);
+    model_.use_wind(depth_);
     model_.draw_casters();
     glDisable(GL_POLYGON_OFFSET_FILL);
   }
 
   const Scene& scene_;
   const Model& model_;
+  const MapSettings settings_;
   Program depth_, cube_lit_, flat_lit_;
   Framebuffer framebuffer_;
   std::vector<Map> maps_;               // by light
-  std::optional<std::uint64_t> known_;  // revision of the scene that this is of
+  std::optional<std::uint64_t> known_;  // revision of the scene that this is of, and its wind
+  Wind wind_;
 };
 
 }  // namespace
 
-std::unique_ptr<Technique> make_shadow_map(const Scene& scene, const Model& model) { return std::make_unique<ShadowMap>(scene, model); }
+std::unique_ptr<Technique> make_shadow_map(const Scene& scene, const Model& model, const MapSettings& settings) {
+  return std::make_unique<ShadowMap>(scene, model, settings);
+}
 
 }  // namespace shadowcut::render

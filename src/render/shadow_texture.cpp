@@ -278,8 +278,10 @@ std::vector<ShadowTexture::Texels> ShadowTexture::texels(std::size_t light) cons
   return all;
 }
 
-std::unique_ptr<Technique> make_shadow_texture(const Scene& scene, const Model& model) {
-  return std::make_unique<ShadowTexture>(scene, model, ShadowTexture::Choices{});
+std::unique_ptr<Technique> make_shadow_texture(const Scene& scene, const Model& model, int side) {
+  ShadowTexture::Choices choices;
+  choices.side = side;
+  return std::make_unique<ShadowTexture>(scene, model, choices);
 }
 
 }  // namespace shadowcut::render

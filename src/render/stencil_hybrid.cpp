@@ -29,13 +29,6 @@ using compare::HalfSpace;
 using compare::Lighting;
 using compare::Polygon;
 
-double lap(Clock::time_point& since) {
-  const Clock::time_point now = Clock::now();
-  const double ms = std::chrono::duration<double, std::milli>(now - since).count();
-  since = now;
-  return ms;
-}
-
 // The BSP tree, and its polygons as lists of vertices with no T-vertices among them.
 class Prepared {
  public:
@@ -157,37 +150,44 @@ class Hybrid : public Technique {
   Hybrid(const Scene& scene, const Model& model) : scene_(scene), model_(model), volumes_(model) {}
 
   void update() override {
-    if (known_ == scene_.revision()) return;
+    if (!known_ || !scene_.changed_since(*known_).empty()) prepared_ = std::make_unique<Prepared>(scene_);  // lights are not in the BSP
     known_ = scene_.revision();
-    prepared_ = std::make_unique<Prepared>(scene_);
+    phases_ = {};
+    before_ = after_ = caps_ = 0;
+    glFinish();
+    clock_ = Clock::now();
   }
 
+  // Their phases A to G, one after the other; a frame's figures are the sums over its lights.
   void add_light(const Frame& frame, std::size_t k) override {
     const Light& light = scene_.lights()[k];
     const Lighting lighting(scene_, light);
-    Clock::time_point clock = Clock::now();
+    glFinish();
+    finish_phase(0);  // what has been drawn since is the scene without its shadows
     find_casters(lighting);
-    phases_[0] = lap(clock);
+    finish_phase(1);
     make_volumes(lighting);
-    phases_[1] = lap(clock);
+    finish_phase(2);
     leave_out_hidden(lighting);
-    phases_[2] = lap(clock);
+    finish_phase(3);
     find_silhouette(light);
-    phases_[3] = lap(clock);
+    finish_phase(4);
     make_caps(frame, lighting);
-    phases_[4] = lap(clock);
+    finish_phase(5);
     volumes_.upload();
     volumes_.count_passes(frame);
     model_.add_light(frame, light, scene_.lights().size(), true);
     glDisable(GL_STENCIL_TEST);
     glFinish();
-    phases_[5] = lap(clock);
+    finish_phase(6);
   }
 
   Figures figures() const override {
-    return {{"B_sort_ms", phases_[0]},           {"C_volumes_ms", phases_[1]}, {"D_svbsp_ms", phases_[2]},
-            {"E_silhouette_ms", phases_[3]},     {"F_caps_ms", phases_[4]},    {"G_draw_ms", phases_[5]},
-            {"shadow_polygons_before", before_}, {"shadow_polygons", after_},  {"caps", caps_}};
+    return {{"A_view_ms", phases_[0]},       {"B_sort_ms", phases_[1]},
+            {"C_volumes_ms", phases_[2]},    {"D_svbsp_ms", phases_[3]},
+            {"E_silhouette_ms", phases_[4]}, {"F_caps_ms", phases_[5]},
+            {"G_draw_ms", phases_[6]},       {"shadow_polygons_before", before_},
+            {"shadow_polygons", after_},     {"caps", caps_}};
   }
 
  private:
@@ -196,6 +196,12 @@ class Hybrid : public Technique {
     compare::Volume planes;
     HalfSpace behind;  // the polygon's own plane, front away from the light
   };
+
+  void finish_phase(std::size_t phase) {
+    const Clock::time_point now = Clock::now();
+    phases_[phase] += std::chrono::duration<double, std::milli>(now - clock_).count();
+    clock_ = now;
+  }
 
   void find_casters(const Lighting& lighting) {
     casters_.clear();
@@ -212,7 +218,6 @@ class Hybrid : public Technique {
 
   void make_volumes(const Lighting& lighting) {
     volume_of_.clear();
-    before_ = 0;
     for (const std::uint32_t i : casters_) {
       const Polygon& polygon = prepared_->bsp().polygons()[i];
       VolumeOf volume{i, {}, {}};
@@ -253,7 +258,6 @@ class Hybrid : public Technique {
       silhouette.add(prepared_->loop(volume.polygon), plane.normal.dot(away_from(light, plane.point)) > 0);
     }
     volumes_.clear();
-    after_ = 0;
     silhouette.each([&](std::uint32_t a, std::uint32_t b) {
       volumes_.add_side(light, prepared_->vertex(a), prepared_->vertex(b));
       ++after_;
@@ -263,7 +267,6 @@ class Hybrid : public Technique {
   // The near plane's window, a little larger and nearer, cut by each volume.
   void make_caps(const Frame& frame, const Lighting& lighting) {
     const std::array<Vec3, 4> window = frame.near_window(1.01);
-    caps_ = 0;
     for (const VolumeOf& volume : volume_of_) {
       Polygon cap;
       for (const Vec3& corner : window) cap.corners.push_back({corner, {Carrier::Kind::shadow_plane, 0}});
@@ -286,7 +289,8 @@ class Hybrid : public Technique {
   std::vector<std::size_t> node_ends_;
   std::vector<VolumeOf> volume_of_;
   std::vector<Vec3> corners_;
-  std::array<double, 6> phases_{};
+  Clock::time_point clock_;
+  std::array<double, 7> phases_{};  // milliseconds
   double before_ = 0, after_ = 0, caps_ = 0;
 };
 

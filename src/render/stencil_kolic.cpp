@@ -1,8 +1,9 @@
 // Shadow volumes without silhouettes, for any mesh: I. Kolic, Z. Mihajlovic, L. Budin, "Stencil shadow volumes for complex and deformable
-// objects", ITI 2004. Every triangle casts, whichever way it faces, and its volume is drawn like any other mesh: six triangles of sides and
-// the triangle itself, pushed away from the light in the vertex shader. One stencil state serves fronts and backs (section 3.2): INVERT
-// where the depth test fails, INCR where it passes, under the write mask 1101b, so that the second bit never comes to be; a pixel once
-// marked 1100b, both a pass and a failure, is left alone.
+// objects", ITI 2004. A mesh that the vertex shader deforms has its shadow with it, as the volume goes the same way. Every triangle casts,
+// whichever way it faces, and its volume is drawn like any other mesh: six triangles of sides and the triangle itself, pushed away from the
+// light in the vertex shader. One stencil state serves fronts and backs (section 3.2): INVERT where the depth test fails, INCR where it
+// passes, under the write mask 1101b, so that the second bit never comes to be; a pixel once marked 1100b, both a pass and a failure, is
+// left alone.
 //
 // Departures. Sides end at infinity, and an eighth triangle closes the volume there: without it a ray of the eye that hits a surface before
 // or within a volume and never leaves it fails the depth test once, not twice, and what that leaves in the stencil buffer makes a shadow of
@@ -19,14 +20,14 @@ struct VolumeVertex {
   float pushed;  // 1: to infinity
 };
 
-const char* const volume_vertex_shader = R"(
+const std::string volume_vertex_shader = Model::bending_shader() + R"(
 layout(location = 0) in vec4 corner;
 uniform mat4 clip;
 uniform vec4 light;
 invariant gl_Position;
 void main() {
-  vec4 position = vec4(corner.xyz, 1.0);
-  if (corner.w > 0.5) position = light.w > 0.5 ? vec4(corner.xyz - light.xyz, 0.0) : vec4(light.xyz, 0.0);
+  vec4 position = vec4(bent(corner.xyz), 1.0);
+  if (corner.w > 0.5) position = light.w > 0.5 ? vec4(position.xyz - light.xyz, 0.0) : vec4(light.xyz, 0.0);
   gl_Position = clip * position;
 }
 )";
@@ -79,18 +80,20 @@ class Kolic : public Technique {
     glStencilOp(GL_KEEP, GL_INVERT, GL_INCR);
     program_.use();
     program_.set("clip", frame.shifted_clip);
+    model_.use_wind(program_);
     program_.set("light", Eigen::Vector4f(at.x(), at.y(), at.z(), point ? 1.f : 0.f));
     glBindVertexArray(array_.get());
     glDrawArrays(GL_TRIANGLES, 0, count_);
     glDisable(GL_DEPTH_CLAMP);
     glStencilMask(0xFF);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);  // lit once, however many faces are at one place
     model_.add_light(frame, light, scene_.lights().size(), true);
     glDisable(GL_STENCIL_TEST);
   }
 
   Figures figures() const override { return {{"volume_triangles", count_ / 3.0}}; }
+  bool bends() const override { return true; }
 
  private:
   void add_volume(std::vector<VolumeVertex>& vertices, const std::array<std::uint32_t, 3>& triangle) const {

@@ -31,12 +31,22 @@ class Technique {
   virtual void add_light(const Frame& frame, std::size_t light) = 0;
   // Of the frame drawn last.
   virtual Figures figures() const { return {}; }
+  // Whether its shadows follow a model that the wind bends in the vertex shader.
+  virtual bool bends() const { return false; }
   // The engine behind it; null where there is none.
   virtual const Engine* engine() const { return nullptr; }
 };
 
-// The scene, and the model of it, must outlive the technique. Throws Error when there is no technique of the name.
-std::unique_ptr<Technique> make_technique(const std::string& name, const Scene& scene, const Model& model);
+// Of a shadow map. What is drawn into it is moved away from the light by slope x its slope + units x the smallest step of depth; what is
+// looked up is moved off its face by `texels`.
+struct MapSettings {
+  int side = 2048;  // pixels; of shadow textures too: of a light's view
+  float slope_bias = 1.1f, unit_bias = 4, texel_bias = 0.5f;
+};
+
+// The scene, and the model of it, must outlive the technique. Throws Error when there is no technique of the name, or the driver has no
+// maps as large.
+std::unique_ptr<Technique> make_technique(const std::string& name, const Scene& scene, const Model& model, const MapSettings& map = {});
 const std::vector<std::string>& technique_names();
 void check_technique(const std::string& name);  // throws the same, without a driver
 
@@ -44,10 +54,11 @@ std::unique_ptr<Technique> make_fragments(const Scene& scene, const Model& model
 std::unique_ptr<Technique> make_stencil_volumes(const Scene& scene, const Model& model, bool zfail);
 std::unique_ptr<Technique> make_stencil_hybrid(const Scene& scene, const Model& model);
 std::unique_ptr<Technique> make_stencil_kolic(const Scene& scene, const Model& model);
-std::unique_ptr<Technique> make_shadow_texture(const Scene& scene, const Model& model);
-std::unique_ptr<Technique> make_shadow_map(const Scene& scene, const Model& model);
+std::unique_ptr<Technique> make_shadow_texture(const Scene& scene, const Model& model, int side);
+std::unique_ptr<Technique> make_shadow_map(const Scene& scene, const Model& model, const MapSettings& settings);
 
-// A whole picture: ambient light, then one light after another.
+// A whole picture: ambient light, then one light after another. Throws Error when the wind bends the model, but not the technique's
+// shadows.
 void draw(const Frame& frame, const Scene& scene, const Model& model, Technique& technique);
 
 }  // namespace shadowcut::render

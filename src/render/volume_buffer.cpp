@@ -1,6 +1,8 @@
 // See volume_buffer.hpp.
 #include "volume_buffer.hpp"
 
+#include <algorithm>
+
 #include "casters.hpp"
 
 namespace shadowcut::render {
@@ -35,10 +37,19 @@ VolumeBuffer::Point VolumeBuffer::direction(const Light& light, const Vec3& x) {
   return {d.x(), d.y(), d.z(), 0};
 }
 
-void VolumeBuffer::add_side(const Light& light, const Vec3& a, const Vec3& b) {
-  const Point near_a = point(a), near_b = point(b), far_a = direction(light, a);
-  volumes_.insert(volumes_.end(), {near_a, far_a, near_b});
-  if (light.kind == Light::Kind::point) volumes_.insert(volumes_.end(), {near_b, far_a, direction(light, b)});  // else they are one
+// The four points are floats, and in no plane. So that where two polygons meet in an edge their sides take each other away in every pixel,
+// they are the same two triangles, one pair turned round.
+void VolumeBuffer::add_side(const Light& light, const Vec3& from, const Vec3& to) {
+  const bool turned = std::lexicographical_compare(to.begin(), to.end(), from.begin(), from.end());
+  const Vec3 &a = turned ? to : from, &b = turned ? from : to;
+  const auto add = [&](const Point& p, const Point& q, const Point& r) {
+    volumes_.push_back(turned ? q : p);
+    volumes_.push_back(turned ? p : q);
+    volumes_.push_back(r);
+  };
+  const Point near_b = point(b), far_a = direction(light, a);
+  add(point(a), far_a, near_b);
+  if (light.kind == Light::Kind::point) add(near_b, far_a, direction(light, b));  // else the far ends are one
 }
 
 void VolumeBuffer::add_ends(const Light& light, std::span<const Vec3> polygon) {
@@ -79,7 +90,7 @@ void VolumeBuffer::end() const {
   glDisable(GL_DEPTH_CLAMP);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glStencilFunc(GL_EQUAL, 0, 0xFF);
-  glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_INCR);  // lit once, however many faces are at one place
 }
 
 void VolumeBuffer::count_passes(const Frame& frame) const {

@@ -14,7 +14,7 @@ class VolumeBuffer {
 
   void clear();
   // The side below the edge a -> b of a polygon that is counter-clockwise seen from the light.
-  void add_side(const Light& light, const Vec3& a, const Vec3& b);
+  void add_side(const Light& light, const Vec3& from, const Vec3& to);
   // Closes a volume at its polygon and at infinity.
   void add_ends(const Light& light, std::span<const Vec3> polygon);
   // A polygon on the near plane, counter-clockwise seen from the camera.
