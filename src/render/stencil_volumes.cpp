@@ -23,9 +23,10 @@ class StencilVolumes : public Technique {
   void update() override {
     if (known_ == scene_.revision()) return;
     known_ = scene_.revision();
-    lights_.clear();
+    while (lights_.size() > scene_.lights().size()) lights_.pop_back();
+    while (lights_.size() < scene_.lights().size()) lights_.emplace_back(model_);
     shadow_polygons_ = 0;
-    for (const Light& light : scene_.lights()) add_volumes(light, lights_.emplace_back(model_));
+    for (std::size_t k = 0; k < lights_.size(); ++k) add_volumes(scene_.lights()[k], lights_[k]);
   }
 
   void add_light(const Frame& frame, std::size_t light) override {
@@ -39,6 +40,7 @@ class StencilVolumes : public Technique {
 
  private:
   void add_volumes(const Light& light, VolumeBuffer& volumes) {
+    volumes.clear();
     std::vector<Vec3> polygon;
     for (const Caster& caster : casters_of(scene_, light)) {
       polygon.clear();
