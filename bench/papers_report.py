@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
-"""Writes docs/papers.md and its chart: bench/papers_report.py papers.json edits.json joining.json docs/papers.md docs/growth.svg
+"""Writes docs/papers.md and its chart: bench/papers_report.py papers.json edits.json joining.json image_space.json docs/papers.md docs/growth.svg
 
 The printed figures are those of M. Slater, "A comparison of three shadow volume algorithms" (1992), tables 1 to 3, and of Y. Chrysanthou and
 M. Slater, "Shadow volume BSP trees for computation of shadows in dynamic scenes" (1995), tables 1 and 2. Ours come from shadowcut_bench_papers,
-shadowcut_bench_edits and shadowcut_bench_joining. Whether a conclusion of theirs holds is decided here, from the figures.
+shadowcut_bench_edits and shadowcut_bench_joining. Whether a conclusion of theirs holds is decided here, from the figures. The papers that draw
+with graphics hardware are image_space_report.py's.
 """
 import json
 import math
 import sys
 
+import image_space_report
 from plot import GRID, SOFT, Axis, count_text, decades, line, mark, path, text, time_text
+from tables import ms, percent, ratio, rows_of, verdict
 
 # Slater 1992, table 1: N, lights, polygons after the BSP, seconds of basic, tiling, SVBSP.
 SLATER_ROOMS = [
@@ -34,29 +37,6 @@ GROWING = (  # name in the rows, in the chart, colour, mark
     ("ordered", "ordered SVBSP", "#1b6ca8", "diamond"), ("unordered", "unordered SVBSP (ours)", "#c0392b", "circle"),
     ("clipper", "Clipper, face by face", "#6b6b6b", "square"), ("rays", "Embree, 256 rays a face", "#3a8f5c", "triangle"),
     ("cgal", "CGAL, exact", "#7d4fa0", "diamond"))
-
-
-def ms(value):
-    return f"{value:.3f}" if value < 10 else f"{value:.1f}"
-
-
-def ratio(value):
-    return f"{value:.2f}"
-
-
-def percent(value):
-    return f"{100 * value:.0f} %" if value >= 0.1 else f"{100 * value:.1f} %" if value >= 0.001 else f"{100 * value:.2g} %"
-
-
-def rows_of(head, rows):
-    yield "| " + " | ".join(head) + " |"
-    yield "|" + "---|" * len(head)
-    for row in rows:
-        yield "| " + " | ".join(str(cell) for cell in row) + " |"
-
-
-def verdict(claim, holds, evidence, why=""):
-    yield f"- **{'Agrees' if holds else 'Does not agree'}.** {claim} {evidence}" + (f" {why}" if why and not holds else "")
 
 
 # ---- Slater 1992
@@ -296,7 +276,7 @@ def chart(report):
     yield "</svg>"
 
 
-def page(report, edits, joins):
+def page(report, edits, joins, image_space):
     yield "# The papers' tables, made again\n"
     yield ("Written by bench/papers_report.py from bench/baseline/papers.json (`shadowcut_bench_papers`) and bench/baseline/edits.json "
            "(`shadowcut_bench_edits`) and bench/baseline/joining.json (`shadowcut_bench_joining`). Their machines were a SPARCstation 1+ and 2, so times compare only as ratios between algorithms; "
@@ -311,6 +291,7 @@ def page(report, edits, joins):
     yield from cs95_moves(report, edits)
     yield from joining(joins)
     yield from growth_tables(report)
+    yield from image_space_report.page(image_space)
 
 
 def load(name):
@@ -325,9 +306,9 @@ def write(name, lines):
 
 
 def main():
-    report, edits, joins = (load(name) for name in sys.argv[1:4])
-    write(sys.argv[4], page(report, edits, joins))
-    write(sys.argv[5], chart(report))
+    report, edits, joins, image_space = (load(name) for name in sys.argv[1:5])
+    write(sys.argv[5], page(report, edits, joins, image_space))
+    write(sys.argv[6], chart(report))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,294 @@
+"""docs/papers.md's part of the papers that draw with graphics hardware; bench/papers_report.py calls it.
+
+The printed figures are those of H. Batagelo and I. Costa Junior, "Real-time shadow generation using BSP trees and stencil buffers" (1999),
+tables 2 and 3, of I. Kolic, Z. Mihajlovic and L. Budin, "Stencil shadow volumes for complex and deformable objects" (2004), table 1, and of
+K.-S. Oh and B.-S. Shin, "An efficient method for dynamic shadow texture generation" (2005), section 4. Ours come from
+shadowcut_bench_image_space. Whether a conclusion of theirs holds is decided here, from the figures.
+"""
+import math
+
+from tables import percent, ratio, rows_of, verdict
+
+# Batagelo & Costa, table 2 (phases A to G and their total) and table 3 (A to D and their total), ms. "> 0,00" is 0 here.
+HYBRID = {"sphere256": (1.75, .10, .35, 2.40, .40, .15, .60, 5.75), "solids96": (.40, 0, .15, .55, .35, .05, .75, 2.25),
+          "tetrahedra752:1": (3.40, .30, 2.05, 8.50, .70, .75, 12.75, 28.45), "tetrahedra752:2": (3.25, .30, 1.35, 2.15, .35, .15, 2.20, 9.75),
+          "cubes1502": (6.30, 1.20, 3.90, 16.70, 1.10, 1.70, 18.00, 48.90)}
+STANDARD = {"sphere256": (1.75, .05, .65, 6.15, 8.60), "solids96": (.60, 0, .30, 3.20, 4.10), "tetrahedra752:1": (5.30, .25, 3.10, 43.85, 52.50),
+            "tetrahedra752:2": (5.40, .20, 3.15, 48.80, 57.55), "cubes1502": (10.35, .60, 6.55, 148.50, 166.00)}
+# Kolic et al., table 1: frames a second on a full screen and in a window, of the new method, Heidmann's, and without shadow.
+KOLIC = {(640, 480): ((52.88, 43.23, 76.22), (82.1, 52.91, 641.03)), (800, 600): ((45.7, 36.36, 74.4), (61.54, 46.73, 534.76)),
+         (1024, 768): ((32.82, 28.19, 73.53), (42.66, 34.98, 427.53))}
+# Oh & Shin, section 4: the speedup of the whole frame with a tenth of the objects dynamic.
+OH_SPEEDUP = 0.234
+
+PHASES = ("its_B_sort_ms", "its_C_volumes_ms", "its_D_svbsp_ms", "its_E_silhouette_ms", "its_F_caps_ms")
+LARGE, SMALL = (640, 480), (160, 120)
+
+
+def ms(value):
+    return f"{value:.3f}" if value < 1 else f"{value:.2f}" if value < 10 else f"{value:.1f}" if value < 100 else f"{value:.0f}"
+
+
+def found(rows, motion, size, scene=None):
+    """Figures by technique."""
+    return next(r for r in rows if r["motion"] == motion and (r["width"], r["height"]) == size and scene in (None, r["scene"]))["techniques"]
+
+
+def fixed_ms(small, large):
+    """What would be left of a picture's time if it had no pixels: the line through two sizes."""
+    n, m = SMALL[0] * SMALL[1], LARGE[0] * LARGE[1]
+    return max(0.0, (small * m - large * n) / (m - n))
+
+
+def exponent(points):
+    """Least squares, as powers."""
+    xs, ys = [math.log(n) for n, _ in points], [math.log(t) for _, t in points]
+    mx, my = sum(xs) / len(xs), sum(ys) / len(ys)
+    return sum((x - mx) * (y - my) for x, y in zip(xs, ys)) / sum((x - mx) ** 2 for x in xs)
+
+
+def listed(words):
+    return ", ".join(words)
+
+
+# ---- Batagelo & Costa 1999
+
+class Comparison:
+    """One scene of theirs: milliseconds of both methods, by phase, at one size. The BSP tree is made beforehand, as theirs."""
+
+    def __init__(self, rows, scene, size, motion="light"):
+        t = found(rows, motion, size, scene)
+        eye = t["ambient"]["draw_ms"]
+        hybrid, standard = t["stencil-hybrid"], t["stencil-standard"]
+        middle = [hybrid[p] for p in PHASES]
+        self.scene, self.figures = scene, t
+        self.bsp = hybrid["update_ms"]
+        self.hybrid = [eye, *middle, max(0.0, hybrid["draw_ms"] - eye - sum(middle)), hybrid["draw_ms"]]
+        self.standard = [eye, standard["update_ms"], max(0.0, standard["draw_ms"] - eye), standard["frame_ms"]]
+        self.gain = self.standard[-1] / self.hybrid[-1]
+        self.before, self.after = hybrid["its_shadow_polygons_before"], hybrid["its_shadow_polygons"]
+
+
+def batagelo_tables(runs):
+    yield "\n### Tables 2 and 3: time by phase\n"
+    yield ("Milliseconds, and shares of the total. A: the eye's view (ours: in ambient light). B: sorting or finding casters, C: volumes, D: the SVBSP "
+           "tree, E: silhouettes, F: caps, G: drawing the shadows (ours: and the light where there are none). B and C of standard are one figure here. "
+           "The BSP tree is made beforehand, in both.\n")
+    rows = []
+    for c in runs:
+        theirs = HYBRID[c.scene]
+        rows.append((c.scene, "hybrid, theirs", *[percent(v / theirs[-1]) for v in theirs[:-1]], f"{theirs[-1]:g}"))
+        rows.append(("", "hybrid, ours", *[percent(v / c.hybrid[-1]) for v in c.hybrid[:-1]], ms(c.hybrid[-1])))
+        a, b, volumes, drawing, total = STANDARD[c.scene]
+        rows.append(("", "standard, theirs", percent(a / total), f"B + C: {percent((b + volumes) / total)}", "", "", "", "", percent(drawing / total), f"{total:g}"))
+        a, volumes, drawing, total = c.standard
+        rows.append(("", "standard, ours", percent(a / total), f"B + C: {percent(volumes / total)}", "", "", "", "", percent(drawing / total), ms(total)))
+    yield from rows_of(("scene", "method", *"ABCDEFG", "total, ms"), rows)
+
+
+def batagelo_gains(runs, small, moved):
+    yield "\n### Figures 9 and 10: the gain, and shadow polygons\n"
+    yield ("The gain is standard's time over the hybrid's. Filling: the share of a 640 x 480 picture's time that grows with its pixels, by the line through its "
+           "time and that at 160 x 120. Shadow polygons: sides of volumes, of standard; of the hybrid before the SVBSP tree and the silhouettes (of the BSP "
+           "tree's polygons), and after. The engine: its update after the light has moved, a new build, and drawing.\n")
+    rows = []
+    for c, s in zip(runs, small):
+        fill = [1 - fixed_ms(s.figures[k]["draw_ms"], c.figures[k]["draw_ms"]) / c.figures[k]["draw_ms"] for k in ("stencil-standard", "stencil-hybrid")]
+        engine = c.figures["fragments"]
+        rows.append((c.scene, ratio(STANDARD[c.scene][-1] / HYBRID[c.scene][-1]), ratio(c.gain), ratio(s.gain), " / ".join(map(percent, fill)),
+                     f"{c.figures['stencil-standard']['its_shadow_polygons']:.0f}", f"{c.before:.0f} / {c.after:.0f}",
+                     f"{ms(engine['update_ms'])} + {ms(engine['draw_ms'])}", ms(c.figures["unshadowed"]["draw_ms"])))
+    yield from rows_of(("scene", "gain: theirs", "ours", "ours, 160 x 120", "filling: standard / hybrid", "shadow polygons: standard", "hybrid: before / after",
+                        "engine, ms", "no shadow, ms"), rows)
+    yield ""
+    yield from batagelo_verdicts(runs, small, moved)
+
+
+def batagelo_verdicts(runs, small, moved):
+    gains = {c.scene: c.gain for c in runs}
+    printed = {s: STANDARD[s][-1] / HYBRID[s][-1] for s in gains}
+    yield from verdict("The hybrid is faster than standard in every scene.", min(gains.values()) > 1,
+                       f"{ratio(min(printed.values()))} to {ratio(max(printed.values()))} times there, {ratio(min(gains.values()))} to {ratio(max(gains.values()))} here.",
+                       f"It is not in {listed(s for s, g in gains.items() if g <= 1)}.")
+    best = max(gains, key=gains.get)
+    one, two = gains["tetrahedra752:1"], gains["tetrahedra752:2"]
+    yield from verdict("It gains most where much is hidden, as in the second scene of tetrahedra.", best == "tetrahedra752:2",
+                       f"The same tetrahedra with the ground below and above them: {ratio(printed['tetrahedra752:1'])} and {ratio(printed['tetrahedra752:2'])} times there, "
+                       f"{ratio(one)} and {ratio(two)} here.",
+                       f"The most is {ratio(gains[best])} times, in {best}: what the silhouettes leave out counts as much as what is hidden. Of the two scenes the one "
+                       f"where much is hidden gains {'more' if two > one else 'less'}, as printed.")
+    cut = {c.scene: c.after / c.before for c in runs}
+    yield from verdict("The SVBSP tree and the silhouettes together leave far fewer shadow polygons (figure 10).", max(cut.values()) < 0.5,
+                       f"Of those before, {percent(min(cut.values()))} ({min(cut, key=cut.get)}) to {percent(max(cut.values()))} ({max(cut, key=cut.get)}) are left here.",
+                       f"Not in {listed(s for s, v in cut.items() if v >= 0.5)}: its parts touch in single vertices and hide little of each other, so most edges are silhouettes.")
+    cubes = next(c for c in runs if c.scene == "cubes1502")
+    share, theirs = cubes.hybrid[3] / cubes.hybrid[-1], HYBRID["cubes1502"][3] / HYBRID["cubes1502"][-1]
+    yield from verdict("In the scene of cubes the SVBSP tree costs about as much as drawing (16.70 of 48.90 ms, beside 18.00), and is not worth it.",
+                       cubes.hybrid[3] > 0.5 * cubes.hybrid[6],
+                       f"It takes {percent(theirs)} of the time there, {percent(share)} here ({ms(cubes.hybrid[3])} of {ms(cubes.hybrid[-1])} ms).",
+                       f"The processor does both: planes are cheaper than they were, and pixels dearer. At 160 x 120 the tree takes "
+                       f"{percent(cubes_share(small))}, which is more like their balance.")
+    yield (f"- Theirs is \"limited to static scenes\": where an object moves the BSP tree has to be made anew, here {ms(moved[0].bsp)} ms ({moved[0].scene}) to "
+           f"{ms(moved[-1].bsp)} ms ({moved[-1].scene}) a frame; with it the hybrid's gain in the five scenes is "
+           f"{listed(ratio(c.standard[-1] / (c.bsp + c.hybrid[-1])) for c in moved)}.")
+
+
+def cubes_share(runs):
+    cubes = next(c for c in runs if c.scene == "cubes1502")
+    return cubes.hybrid[3] / cubes.hybrid[-1]
+
+
+def batagelo(rows):
+    yield "\n## Batagelo and Costa 1999: the hybrid of SVBSP tree and stencil buffer\n"
+    yield ("Five scenes of their kinds and numbers of polygons (data/scenes.hpp), 640 x 480, one light in ten places on a dome; the mean of the ten. Standard draws "
+           "the volume of every polygon that faces the light, the hybrid those that the SVBSP tree leaves, by their silhouettes.")
+    scenes = list(HYBRID)
+    runs = [Comparison(rows, s, LARGE) for s in scenes]
+    small = [Comparison(rows, s, SMALL) for s in scenes]
+    yield from batagelo_tables(runs)
+    yield from batagelo_gains(runs, small, [Comparison(rows, s, LARGE, "object") for s in scenes])
+    yield ("- Wrong by design: standard begins to count at the near plane and takes the eye to be in the light. Where the eye is in shadow, or a volume is cut by "
+           "the near plane, the picture is inverted: Render.StandardIsWrongWhereTheCameraIsInShadow in tests/render_test.cpp. The hybrid's caps mend it, and it "
+           "draws what rays see in the same places (Render.EveryTechniqueDrawsWhatRaysSee).")
+
+
+# ---- Kolic et al. 2004
+
+def kolic(rows):
+    yield "\n## Kolić, Mihajlović and Budin 2004: volumes without silhouettes\n"
+    first = found(rows, "light", LARGE)
+    sides, triangles = 2 * first["stencil-standard"]["its_shadow_polygons"], first["stencil-kolic"]["its_volume_triangles"]
+    yield ("A branch of 2 878 triangles. Theirs: frames a second on a full screen, in a window. Ours: milliseconds a frame while the light moves. Their Heidmann finds "
+           "the branch's silhouette on the processor in every frame. Ours, stencil-standard, finds none: it makes the volume of every triangle that faces the light "
+           "(a leaf, which is open, always does), in every frame, and uploads them: \"processor\" in the table, part of its time. The new method does nothing there: "
+           "its mesh is uploaded once, so that is not counted.\n")
+    table, gains = [], {}
+    for size in (*KOLIC, SMALL):
+        t = found(rows, "light", size)
+        standard, new, none = t["stencil-standard"], t["stencil-kolic"]["draw_ms"], t["unshadowed"]["draw_ms"]
+        gains[size] = standard["frame_ms"] / new
+        printed = KOLIC.get(size)
+        engine = t["fragments"]
+        table.append((f"{size[0]} x {size[1]}", *([", ".join(f"{w[k]:g}" for w in printed) for k in range(3)] if printed else ("",) * 3),
+                      ", ".join(ratio(w[0] / w[1]) for w in printed) if printed else "",
+                      ms(new), f"{ms(standard['frame_ms'])} ({ms(standard['update_ms'])})", ms(none), ratio(gains[size]),
+                      f"{ms(engine['update_ms'])} + {ms(engine['draw_ms'])}"))
+    yield from rows_of(("size", "new: theirs", "Heidmann: theirs", "no shadow: theirs", "new / Heidmann", "new: ours, ms", "Heidmann: ours (processor)", "no shadow: ours",
+                        "Heidmann / new", "engine, ms"), table)
+    yield ""
+    printed = [w[0] / w[1] for both in KOLIC.values() for w in both]
+    here = [gains[s] for s in KOLIC]
+    update = first["stencil-standard"]["update_ms"] / first["stencil-standard"]["frame_ms"]
+    yield from verdict("The new method is faster than Heidmann's in every size.", min(here) > 1,
+                       f"{ratio(min(printed))} to {ratio(max(printed))} times there, {ratio(min(here))} to {ratio(max(here))} here.",
+                       f"It saves the processor's part, and that is {percent(update)} of a frame of Heidmann's here at 640 x 480: there is no silhouette in it, and all the rest, "
+                       f"triangles and pixels, is done by the same processor. It draws {ratio(triangles / sides)} times as many triangles.")
+    yield from verdict("Heidmann's method draws less than half as much.", sides < 0.5 * triangles, f"{sides:.0f} triangles of {triangles:.0f} here.",
+                       "Ours has no silhouettes.")
+    growth = {k: found(rows, "light", (1024, 768))[k]["draw_ms"] / first[k]["draw_ms"] for k in ("stencil-kolic", "stencil-standard", "unshadowed")}
+    theirs = [KOLIC[640, 480][0][k] / KOLIC[1024, 768][0][k] for k in range(3)]
+    yield from verdict("Shadows cost more in larger pictures.", min(growth.values()) > 1,
+                       f"From 640 x 480 to 1024 x 768, 2.56 times the pixels (new, Heidmann, no shadow; full screen): {listed(map(ratio, theirs))} times there, "
+                       f"{listed(map(ratio, growth.values()))} here, where each pixel is work of the processor.")
+    yield (f"- Where the balance shifts: at 160 x 120, a sixteenth of the pixels, Heidmann over new is {ratio(gains[SMALL])}. Without pixels to fill there is still "
+           "the vertex work of eight triangles in place of one, on the same processor.")
+    yield ("- Wrong by design: seven triangles a triangle leave the volume open at its far end. A ray of the eye that ends in the volume's depth then fails the depth test "
+           "once and not twice, and the next volume before it makes a shadow of that; ours draws an eighth (src/render/stencil_kolic.cpp). And the paper says nothing of a "
+           "camera within a volume, of which only one side is seen: Render.KolicIsWrongWhereTheCameraIsInAVolume in tests/render_test.cpp. On edges of volumes a pixel may be "
+           "left half done even so; Render.EveryTechniqueDrawsWhatRaysSee allows it two pixels a picture.")
+
+
+# ---- Oh & Shin 2005
+
+def update_and_draw(technique):
+    return f"{ms(technique['update_ms'])} + {ms(technique['draw_ms'])}"
+
+
+def oh_growth(rows):
+    yield "\n### Figure 7: growth\n"
+    yield ("N spheres of 2 037 vertices, 4 070 triangles each, 800 x 600; every texture and buffer is made anew in every frame. Milliseconds: making textures + drawing "
+           "with them. Drawn: objects drawn into the light's views to make all textures, besides the receivers themselves.\n")
+    table, points = [], {"quadratic": [], "sz-buffer": []}
+    for row in rows:
+        t, n = row["techniques"], row["count"]
+        for k, p in points.items():
+            p.append((n, t[k]["update_ms"], t[k]["frame_ms"], t[k]["its_objects_drawn"]))
+        table.append((n, f"{t['sz-buffer']['its_textures']:.0f}", *[update_and_draw(t[k]) for k in points], *[f"{t[k]['its_objects_drawn']:.0f}" for k in points],
+                      ratio(t["quadratic"]["frame_ms"] / t["sz-buffer"]["frame_ms"]), ms(t["unshadowed"]["draw_ms"]),
+                      f"{ms(t['fragments']['first_update_ms'])}, {ms(t['fragments']['draw_ms'])}"))
+    yield from rows_of(("N", "textures", "quadratic", "SZ-buffer", "drawn: quadratic", "SZ-buffer", "quadratic / SZ-buffer, frame", "no shadow", "engine: first build, drawing"),
+                       table)
+    yield ""
+    power = {k: exponent([(n, u) for n, u, *_ in p]) for k, p in points.items()}
+    drawn = {k: exponent([(n, d) for n, _, _, d in p]) for k, p in points.items()}
+    yield from verdict("The time of the method before grows with N^2, theirs with N.", power["quadratic"] > 1.6 and power["sz-buffer"] < 1.2,
+                       f"Making textures takes N^{power['quadratic']:.2f} and N^{power['sz-buffer']:.2f} here; objects drawn for it grow as N^{drawn['quadratic']:.2f} and "
+                       f"N^{drawn['sz-buffer']:.2f}.",
+                       "Our quadratic method draws for a receiver only the casters whose rectangles in the light's view meet the receiver's, and not all objects; in a crowd whose "
+                       "density stays the same a receiver has as many more of them as the crowd is deep, the cube root of N, and only the ground has all.")
+    last = points["quadratic"][-1][1] / points["sz-buffer"][-1][1]
+    yield from verdict("It is an order of magnitude faster.", last >= 10, f"With {points['quadratic'][-1][0]} spheres textures are made {ratio(last)} times as fast here.",
+                       "For the same reason; and both make the same textures, to the bit (ShadowTexture.IsTheQuadraticMethodsToTheBit in tests/sz_buffer_test.cpp), which costs "
+                       "both the drawing of every receiver, of its triangles' rims too, and a copy.")
+
+
+def oh_coherence(rows):
+    yield "\n### Figure 8: coherence\n"
+    yield (f"{rows[0]['count']} spheres, of which a share moves in every frame. Milliseconds as above. The speedup of the whole frame is the time without coherence over that with it, "
+           "less one.\n")
+    table, speedups = [], {}
+    for row in rows:
+        t, share = row["techniques"], row["dynamic_percent"]
+        without, coherent = t["sz-buffer"], t["sz-buffer-coherent"]
+        speedups[share] = without["frame_ms"] / coherent["frame_ms"] - 1
+        table.append((f"{share} %", update_and_draw(without), update_and_draw(coherent), percent(speedups[share]), percent(without["update_ms"] / coherent["update_ms"] - 1),
+                      f"{coherent['its_textures_made']:.0f} of {coherent['its_textures']:.0f}", update_and_draw(t["fragments"])))
+    yield from rows_of(("dynamic", "without", "with", "speedup, frame", "speedup, textures", "textures made", "engine"), table)
+    yield ""
+    order = [speedups[s] for s in sorted(speedups)]
+    yield from verdict("The smaller the share of dynamic objects, the larger the speedup.", all(a > b for a, b in zip(order, order[1:])),
+                       f"From {percent(order[-1])} where all move to {percent(order[0])} where none does." if order[-1] > 0 else
+                       f"From {100 * order[-1]:.0f} % where all move to {percent(order[0])} where none does.")
+    yield from verdict("With 10 % dynamic the whole frame is 23.4 % faster, the making of textures much more.", speedups[10] >= OH_SPEEDUP,
+                       f"Here the frame is {percent(speedups[10])} faster: making textures is most of a frame where every pixel of them is work of the processor, and beside it "
+                       "the drawing of the picture, which coherence does not help, is a smaller part than on their card.")
+
+
+def oh(growth, coherence):
+    yield "\n## Oh and Shin 2005: shadow textures with an SZ-buffer"
+    yield from oh_growth(growth)
+    yield from oh_coherence(coherence)
+    yield ("- Wrong by design: a texture has pixels. Away from the edges of faces and shadows, by more than one of its pixels, the picture is as rays have it; within that it is not, "
+           "and the engine's fragments are (ShadowTexture.DrawsRandomThingsAsShadowVolumesDo in tests/sz_buffer_test.cpp counts both). One texture an object cannot say that an "
+           "object shadows itself: ours divides objects into receivers that cannot (src/render/receivers.hpp). The plain shadow map, beside them for comparison, has both limits and a "
+           "bias besides.")
+
+
+def balance(document):
+    yield "\n## Where software rasterising shifts the balance\n"
+    rows = document["kolic2004"]
+    shares = []
+    for key, name in (("unshadowed", "no shadow"), ("stencil-standard", "standard"), ("stencil-kolic", "Kolić"), ("fragments", "engine")):
+        small, large = (found(rows, "light", s)[key]["draw_ms"] for s in (SMALL, LARGE))
+        fixed = fixed_ms(small, large)
+        shares.append((name, ms(small), ms(large), ms(fixed), percent(1 - fixed / large)))
+    yield (f"There is no graphics card here: the driver is {document['driver']}, with LP_NUM_THREADS={document['lp_num_threads'] or 'unset'}, so that one processor sets up every vertex and fills "
+           "every pixel. Drawing the branch, milliseconds; the part that is left without pixels, by the line through both sizes; and the share of the pixels at 640 x 480:\n")
+    yield from rows_of(("", "160 x 120", "640 x 480", "without pixels", "filling"), shares)
+    yield ("\n- Filling is dear. What draws large volumes over the whole picture (standard, Kolić) pays for them by the pixel; the papers' cards filled faster than their processors could feed "
+           "them. Methods that spend the processor's time to save pixels (the hybrid's SVBSP tree, the engine's fragments) gain more here than on a card.\n"
+           "- Vertex work is not free. Moving it from the processor to the card, which is Kolić's point, moves it here from the processor to the processor.\n"
+           "- The engine's update costs the same with any driver, and is in the conforming form, which hands out everything again (docs/design.md, section 6). Its drawing is that of the "
+           "picture without shadows but for more vertices, and on a card would be near nothing.")
+
+
+def page(document):
+    yield "\n# With graphics hardware\n"
+    yield ("Written from bench/baseline/image_space.json (`shadowcut_bench_image_space`). The machines were a Celeron 466 MHz with a Riva TNT, a Pentium 4 2.8 GHz with a Radeon 9700, "
+           "and a Pentium 4 2.66 GHz with a Radeon 9800 XT; all figures of ours are from one run, and only ratios compare. Every technique's pictures are held against rays "
+           "(tests/render_test.cpp, tests/sz_buffer_test.cpp), and how each departs from its paper stands at the top of its file in src/render. Beside each stands what the engine's "
+           "fragments cost in the same frames. Figures 9 to 11, 7 and 8 are curves without numbers: of those only the conclusions compare.")
+    yield from batagelo(document["batagelo1999"])
+    yield from kolic(document["kolic2004"])
+    yield from oh(document["oh2005_growth"], document["oh2005_coherence"])
+    yield from balance(document)
