@@ -1,5 +1,6 @@
 // What the engine does on several threads: its loops, the threads they may use, and what a thread keeps for itself. Over oneTBB, of which
-// no other file knows.
+// no other file knows. Where there are no threads (the CMake option SHADOWCUT_THREADS) SHADOWCUT_SERIAL is defined, oneTBB is not needed,
+// and the same loops run one body after another.
 //
 // ThreadSanitizer cannot see into oneTBB as distributions ship it, so it is told here what oneTBB guarantees: what came before a loop came
 // before each body, and each body before what follows the loop. Nothing is said to order one body with another, so a race between two of
@@ -7,7 +8,9 @@
 // it reports races that are none, and takes its counters for an order of the bodies, which may hide some that are.
 #pragma once
 
+#ifndef SHADOWCUT_SERIAL
 #include <tbb/enumerable_thread_specific.h>
+#endif
 
 #include <cstddef>
 #include <memory>
@@ -106,7 +109,18 @@ class Threads {
 };
 
 // One T for each thread that asks for its own, by local().
+#ifdef SHADOWCUT_SERIAL
+template <class T>
+class PerThread {
+ public:
+  T& local() { return value_; }
+
+ private:
+  T value_;
+};
+#else
 template <class T>
 using PerThread = tbb::enumerable_thread_specific<T>;
+#endif
 
 }  // namespace shadowcut
