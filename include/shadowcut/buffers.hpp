@@ -108,7 +108,8 @@ class FragmentBuffers {
   };
   struct IdHash {
     std::size_t operator()(const FragmentId& id) const {
-      return static_cast<std::size_t>((id.cell * std::uint64_t{0x9E3779B97F4A7C15} ^ id.piece) * std::uint64_t{0xC2B2AE3D27D4EB4F} ^ id.place);
+      return static_cast<std::size_t>((id.cell * std::uint64_t{0x9E3779B97F4A7C15} ^ id.piece) * std::uint64_t{0xC2B2AE3D27D4EB4F} ^
+                                      id.place);
     }
   };
 

@@ -1,0 +1,69 @@
+// The same scenes and edits as the native engine had (tests/web_reference.cpp wrote what it made of them): the same fragments, the same
+// areas, to the last bit.
+//
+//   SHADOWCUT_REFERENCE=reference.json node --test native.test.mjs
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import test from 'node:test';
+import { load } from '../src/index.js';
+
+const shadowcut = await load();
+const histories = JSON.parse(readFileSync(process.env.SHADOWCUT_REFERENCE, 'utf8'));
+
+const bits = new DataView(new ArrayBuffer(8));
+function hashOf(fragment, corners) {
+  let hash = 2166136261;
+  const add = (word) => (hash = Math.imul(hash ^ word, 16777619));
+  add(fragment.face), add(0), add(fragment.lit ? 1 : 0), add(0);
+  for (let k = 3 * fragment.firstCorner; k < 3 * (fragment.firstCorner + fragment.cornerCount); ++k) {
+    bits.setFloat64(0, corners[k], true);
+    add(bits.getUint32(0, true)), add(bits.getUint32(4, true));
+  }
+  return hash;
+}
+
+function stateOf(engine, light) {
+  const shadows = engine.shadows(light);
+  let fragments = 0, hashes = 0;
+  for (let block = 0; block < shadows.blockCount; ++block) {
+    const corners = shadows.corners(block);
+    for (const fragment of shadows.fragments(block)) hashes = (hashes + hashOf(fragment, corners)) >>> 0, ++fragments;
+  }
+  const areas = shadows.areas().flatMap(({ lit, shadowed }) => [lit, shadowed]);
+  const undecided = engine.undecided(light).reduce((a, b) => a + b, 0);
+  return { fragments, hashes, areas, undecided };
+}
+
+function apply(scene, ids, objects, step) {
+  if (step.add !== undefined) ids[step.add] = scene.add(objects[step.add].mesh, objects[step.add].settings);
+  else if (step.remove !== undefined) scene.remove(ids[step.remove]);
+  else if (step.light) scene.setLight(scene.lightId(0), step.light);
+  else if (step.casts !== undefined) {
+    scene.setCasts(ids[step.object], step.casts);
+    objects[step.object].settings.casts = step.casts;
+  } else if (step.pose) {
+    scene.setPose(ids[step.object], step.pose);
+    objects[step.object].settings.pose = step.pose;
+  }
+}
+
+for (const { name, kernel, objects, lights, steps } of histories) {
+  test(`${name}, kernel ${kernel}`, () => {
+    const scene = new shadowcut.Scene();
+    const ids = objects.map(({ mesh, settings }) => scene.add(mesh, settings));
+    for (const light of lights) scene.addLight(light);
+    const engine = new shadowcut.Engine(scene, { kernel });
+    steps.forEach((step, k) => {
+      apply(scene, ids, objects, step);
+      engine.update();
+      step.lights.forEach((native, light) => {
+        const { undecided, ...here } = stateOf(engine, light);
+        const { undecided: _, ...there } = native;
+        assert.deepEqual(here, there, `after edit ${k}, light ${light}`);
+        assert.ok(Math.abs(undecided - native.undecided) <= 1e-9 * native.undecided, `undecided after edit ${k}, light ${light}`);
+      });
+    });
+    engine.dispose();
+    scene.dispose();
+  });
+}
