@@ -43,3 +43,9 @@ endforeach()
 target_link_libraries(example_cpp PRIVATE shadowcut::core)
 target_link_libraries(example_c PRIVATE shadowcut::c)
 set_target_properties(example_c PROPERTIES C_STANDARD 11 C_STANDARD_REQUIRED ON C_EXTENSIONS OFF)
+
+# JavaScript's is run by Node (CMakeLists.txt), and finds the package as one that npm has installed.
+extract_example(js ${folder})
+file(WRITE ${folder}/package.json "{\"type\": \"module\"}\n")
+file(MAKE_DIRECTORY ${folder}/node_modules)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/web/shadowcut ${folder}/node_modules/shadowcut SYMBOLIC)
