@@ -2,7 +2,7 @@
 # Installs what is missing, builds, and runs every test.
 #   scripts/test.sh           the whole suite, and some thousand runs of each fuzzer
 #   scripts/test.sh --long    the suite under ASan + UBSan too, what runs on several threads under TSan, and each fuzzer for ten minutes
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" libgtest-dev libbenchmark-dev libembree-dev libpolyclipping-dev libcgal-dev assimp-testmodels glmark2-data clang libclang-rt-14-dev python3 python3-xlib xvfb
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" libgtest-dev libbenchmark-dev libembree-dev libpolyclipping-dev libcgal-dev assimp-testmodels glmark2-data clang libclang-rt-14-dev python3 python3-xlib xvfb emscripten nodejs
 budget="-seed=1 -runs=20000"  # the same inputs every time
 presets=(release)
 if [ "${1:-}" = --long ]; then
@@ -25,6 +25,10 @@ for fuzzer in fuzz_obj fuzz_build fuzz_edits; do
 done
 echo "the exact kernel's laws, compiled by clang"
 SHADOWCUT_SOAK=30000 build/fuzz/bin/predicates_clang --gtest_brief=1
+
+# The WebAssembly module, which the tests of web/shadowcut load.
+cmake --preset wasm >/dev/null
+cmake --build --preset wasm
 
 for preset in "${presets[@]}"; do
   cmake --preset "$preset" -DSHADOWCUT_TESTS=ON >/dev/null
