@@ -49,11 +49,12 @@ function here({ scene, light }, best) {
 }
 
 function native(name, best) {
-  const text = execFileSync(join(bin, 'shadowcut_bench'),
-    [`--benchmark_filter=^${name}/threads:1/`, `--benchmark_min_time=${seconds}`, '--benchmark_format=json'], { stdio: ['ignore', 'pipe', 'ignore'] });
+  const options = [`--benchmark_filter=^${name}/threads:1/`, `--benchmark_min_time=${seconds}`, '--benchmark_format=json'];
+  const text = execFileSync(join(bin, 'shadowcut_bench'), options, { stdio: ['ignore', 'pipe', 'ignore'] });
   const [row] = JSON.parse(text).benchmarks;
   best.native = Math.min(best.native, row.build_ms + row.emit_ms);
-  if (row.lit + row.shadowed !== best.fragments) throw new Error(`${name}: ${best.fragments} fragments here, ${row.lit + row.shadowed} natively`);
+  const fragments = row.lit + row.shadowed;
+  if (fragments !== best.fragments) throw new Error(`${name}: ${best.fragments} fragments here, ${fragments} natively`);
 }
 
 try {

@@ -95,7 +95,7 @@ function withMesh(module, { positions, indices, cornerCounts, faces }, body) {
 }
 function addFaces(module, mesh, indices, cornerCounts) {
   const total = cornerCounts ? cornerCounts.reduce((a, b) => a + b, 0) : 3 * Math.floor(indices.length / 3);
-  if (total !== indices.length) throw new ShadowcutError('INVALID_ARGUMENT', 'there are other than as many indices as the faces have corners');
+  if (total !== indices.length) throw new ShadowcutError('INVALID_ARGUMENT', 'there must be as many indices as the faces have corners');
   const at = module.putArray(indices, Uint32Array);
   const counts = cornerCounts ? module.putArray(cornerCounts, Int32Array) : 0;
   module.call('mesh_add_faces', mesh, at, counts, cornerCounts ? cornerCounts.length : total / 3);
@@ -147,7 +147,9 @@ class Scene extends Handle {
 
   add(mesh, settings) {
     const { module } = this;
-    return withMesh(module, mesh, (at) => module.struct('objectId', 'scene_add_object', this.at, at, module.put('objectSettings', settings)));
+    return withMesh(module, mesh, (at) =>
+      module.struct('objectId', 'scene_add_object', this.at, at, module.put('objectSettings', settings)),
+    );
   }
   remove(id) {
     this.#edit('remove_object', id);
@@ -500,7 +502,7 @@ class Buffers extends Handle {
   copyChanged(name, target) {
     const ranges = this.changedRanges(name);
     const stream = this.stream(name);
-    if (target.length < stream.length) throw new ShadowcutError('INVALID_ARGUMENT', `the ${name} have grown: make an array as long as the stream`);
+    if (target.length < stream.length) throw new ShadowcutError('INVALID_ARGUMENT', `the ${name} have grown: make a new array of their length`);
     for (const { start, count } of ranges) target.set(stream.subarray(start, start + count), start);
     return ranges;
   }

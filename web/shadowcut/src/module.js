@@ -225,21 +225,18 @@ export function numberOf(kind, word) {
 
 const snake = (name) => name.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`);
 
-// Nothing of the engine's writes files or reads clocks other than the steady one; what the C library still asks for is answered here.
+// All that the module asks for: its memory, a steady clock, and what is to happen when the C library gives up.
 function surroundings(memory) {
-  const now = (_, __, at) => {
-    new DataView(memory.buffer).setBigUint64(at, BigInt(Math.round(performance.now() * 1e6)), true);
-    return 0;
-  };
-  const refuse = () => 52; // ENOSYS
-  const wasi = {
-    clock_time_get: now,
-    proc_exit: (code) => {
-      throw new ShadowcutError('INTERNAL_ERROR', `the engine has stopped (${code})`);
-    },
-  };
   return {
     env: { memory, emscripten_notify_memory_growth() {} },
-    wasi_snapshot_preview1: new Proxy(wasi, { get: (known, name) => known[name] ?? refuse, has: () => true }),
+    wasi_snapshot_preview1: {
+      clock_time_get(clock, precision, at) {
+        new DataView(memory.buffer).setBigUint64(at >>> 0, BigInt(Math.round(performance.now() * 1e6)), true);
+        return 0;
+      },
+      proc_exit(code) {
+        throw new ShadowcutError('INTERNAL_ERROR', `the engine has stopped (${code})`);
+      },
+    },
   };
 }

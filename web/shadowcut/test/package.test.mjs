@@ -1,7 +1,9 @@
 // The package by itself: what it exports, how large it is, buffers that follow random edits, errors, and memory that runs out.
 import assert from 'node:assert/strict';
+import { once } from 'node:events';
 import { readFileSync, readdirSync } from 'node:fs';
 import test from 'node:test';
+import { Worker } from 'node:worker_threads';
 import { gzipSync } from 'node:zlib';
 import { functions } from '../dist/interface.js';
 import { ShadowcutError, load, none } from '../src/index.js';
@@ -108,6 +110,16 @@ test('buffers kept from changed ranges are the whole buffers, through 200 edits'
   [sets, engine, scene, ...followers.map(({ buffers }) => buffers)].forEach((each) => each.dispose());
 });
 
+test('it runs in a worker', async () => {
+  const code = `
+    const { parentPort } = await import('node:worker_threads');
+    const { load } = await import(${JSON.stringify(new URL('../src/index.js', import.meta.url))});
+    parentPort.postMessage((await load()).version);`;
+  const worker = new Worker(new URL(`data:text/javascript,${encodeURIComponent(code)}`));
+  const [version] = await once(worker, 'message');
+  assert.equal(version, shadowcut.version);
+});
+
 test('what changed is what there is', () => {
   const { scene, ids } = smallTown(random(2), 6);
   const engine = new shadowcut.Engine(scene, { kernel: 'exact', constructions: true });
@@ -141,7 +153,8 @@ test('what changed is what there is', () => {
 
 test('what a scene was given it gives back', () => {
   const scene = new shadowcut.Scene();
-  const mesh = { positions: Float64Array.of(0, 0, 0, 4, 0, 0, 4, 4, 0, 0, 4, 0, 1, 1, 0, 2, 1, 0, 2, 2, 0, 1, 2, 0), faces: [[[0, 1, 2, 3], [4, 5, 6, 7]]] };
+  const positions = Float64Array.of(0, 0, 0, 4, 0, 0, 4, 4, 0, 0, 4, 0, 1, 1, 0, 2, 1, 0, 2, 2, 0, 1, 2, 0);
+  const mesh = { positions, faces: [[[0, 1, 2, 3], [4, 5, 6, 7]]] };
   const id = scene.add(mesh, { name: 'Tür', sides: 'open', moves: true, pose: at(1, 2, 3) });
   const given = scene.given(id);
   assert.deepEqual(given.mesh, mesh);
