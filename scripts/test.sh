@@ -1,10 +1,16 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, and runs every test.
 #   scripts/test.sh           the whole suite, and some thousand runs of each fuzzer
-#   scripts/test.sh --long    the suite under ASan + UBSan too, what runs on several threads under TSan, and each fuzzer for ten minutes
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" libgtest-dev libbenchmark-dev libembree-dev libpolyclipping-dev libcgal-dev assimp-testmodels glmark2-data clang libclang-rt-14-dev python3 python3-xlib xvfb emscripten nodejs
+#   scripts/test.sh --web     the WebAssembly package too: Emscripten is 842 MB, and takes minutes to build it
+#   scripts/test.sh --long    all that, the suite under ASan + UBSan too, what runs on several threads under TSan, and each fuzzer for ten minutes
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" libgtest-dev libbenchmark-dev libembree-dev libpolyclipping-dev libcgal-dev assimp-testmodels glmark2-data clang libclang-rt-14-dev python3 python3-xlib xvfb
 budget="-seed=1 -runs=20000"  # the same inputs every time
 presets=(release)
+web=OFF
+if [ "${1:-}" = --web ] || [ "${1:-}" = --long ]; then
+  web=ON
+  source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" emscripten nodejs
+fi
 if [ "${1:-}" = --long ]; then
   budget="-max_total_time=600"
   presets=(release asan tsan)
@@ -26,12 +32,8 @@ done
 echo "the exact kernel's laws, compiled by clang"
 SHADOWCUT_SOAK=30000 build/fuzz/bin/predicates_clang --gtest_brief=1
 
-# The WebAssembly module, which the tests of web/shadowcut load.
-cmake --preset wasm >/dev/null
-cmake --build --preset wasm
-
 for preset in "${presets[@]}"; do
-  cmake --preset "$preset" -DSHADOWCUT_TESTS=ON >/dev/null
+  cmake --preset "$preset" -DSHADOWCUT_TESTS=ON -DSHADOWCUT_WEB="$web" >/dev/null
   cmake --build --preset "$preset"
   ctest --preset "$preset" --timeout 1200 -j "$(nproc)"
 done
