@@ -3,18 +3,20 @@
 #   scripts/test.sh           the whole suite, and some thousand runs of each fuzzer
 #   scripts/test.sh --web     the WebAssembly package too: Emscripten is 842 MB, and takes minutes to build it
 #   scripts/test.sh --long    all that, the suite under ASan + UBSan too, what runs on several threads under TSan, and each fuzzer for ten minutes
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" libgtest-dev libbenchmark-dev libembree-dev libpolyclipping-dev libcgal-dev assimp-testmodels glmark2-data clang libclang-rt-14-dev python3 python3-xlib xvfb
+tools=(libgtest-dev libbenchmark-dev libembree-dev libpolyclipping-dev libcgal-dev assimp-testmodels glmark2-data clang libclang-rt-14-dev python3
+       python3-xlib xvfb)
 budget="-seed=1 -runs=20000"  # the same inputs every time
 presets=(release)
 web=OFF
 if [ "${1:-}" = --web ] || [ "${1:-}" = --long ]; then
   web=ON
-  source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" emscripten nodejs
+  tools+=(emscripten nodejs)
 fi
 if [ "${1:-}" = --long ]; then
   budget="-max_total_time=600"
   presets=(release asan tsan)
 fi
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" "${tools[@]}"
 
 # The fuzzers need clang; they must find nothing.
 CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSHADOWCUT_FUZZ=ON -DSHADOWCUT_BENCH=OFF \
