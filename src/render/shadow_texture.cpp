@@ -56,7 +56,7 @@ int face_of(vec3 v) {
   return v.z > 0.0 ? 4 : 5;
 }
 float reached(vec3 x, vec3 n) {
-  if (face >= 0 && face_of(x - place) != face) return 0.0;
+  if (face >= 0 && face_of(x - place) != face) discard;
   vec4 p = view_clip * vec4(x, 1.0);
   vec2 texel = floor((p.xy / p.w * 0.5 + 0.5) * side) - extent.xy;
   return texelFetch(shadow, ivec2(clamp(texel, vec2(0.0), extent.zw - 1.0)), 0).r;
@@ -247,6 +247,7 @@ void ShadowTexture::add_light(const Frame& frame, std::size_t k) {
   glDepthFunc(GL_EQUAL);
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE);
+  Model::once_a_pixel();
   glActiveTexture(GL_TEXTURE0);
   for (std::uint32_t object = 0; object < lit.receivers.size(); ++object)
     for (const Receiver& receiver : lit.receivers[object])
@@ -259,6 +260,7 @@ void ShadowTexture::add_light(const Frame& frame, std::size_t k) {
         glBindTexture(GL_TEXTURE_2D, image.texture.get());
         draw_receiver(object, receiver);
       }
+  glDisable(GL_STENCIL_TEST);
   glDisable(GL_BLEND);
 }
 
