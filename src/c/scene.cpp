@@ -88,6 +88,16 @@ LightId id_of(const shadowcut_light_id* id) {
   return {id->index, id->generation, id->scene};
 }
 
+template <class Id, class Out>
+void copy_id(const Id& id, Out* out) {
+  *out = {id.index, id.generation, id.scene};
+}
+template <class Id, class Out>
+void copy_found(const Id& id, const char* missing, Out* out) {
+  if (id.index == none) fail(SHADOWCUT_NOT_FOUND, missing);
+  copy_id(id, out);
+}
+
 void expect(Edit edit) {
   if (edit == Edit::stale) fail(SHADOWCUT_STALE, "what the id named has been removed");
   if (edit == Edit::foreign) fail(SHADOWCUT_FOREIGN, "the id is of another scene, or of none");
@@ -237,8 +247,7 @@ shadowcut_status shadowcut_scene_add_object(shadowcut_scene* scene, const shadow
                                             shadowcut_object_id* id) {
   return guarded([&] {
     require_pointers(id);
-    const ObjectId added = change(scene).add(value_of(mesh), settings_of(settings));
-    *id = {added.index, added.generation, added.scene};
+    copy_id(change(scene).add(value_of(mesh), settings_of(settings)), id);
   });
 }
 shadowcut_status shadowcut_scene_remove_object(shadowcut_scene* scene, const shadowcut_object_id* id) {
@@ -283,8 +292,7 @@ shadowcut_status shadowcut_scene_given(const shadowcut_scene* scene, const shado
 shadowcut_status shadowcut_scene_add_light(shadowcut_scene* scene, const shadowcut_light* light, shadowcut_light_id* id) {
   return guarded([&] {
     require_pointers(id);
-    const LightId added = change(scene).add(light_of(light));
-    *id = {added.index, added.generation, added.scene};
+    copy_id(change(scene).add(light_of(light)), id);
   });
 }
 shadowcut_status shadowcut_scene_remove_light(shadowcut_scene* scene, const shadowcut_light_id* id) {
@@ -305,17 +313,13 @@ shadowcut_status shadowcut_scene_replace_lights(shadowcut_scene* scene, const sh
 shadowcut_status shadowcut_scene_object_id(const shadowcut_scene* scene, uint32_t index, shadowcut_object_id* id) {
   return guarded([&] {
     require_pointers(id);
-    const ObjectId found = value_of(scene).object_id(index);
-    if (found.index == none) fail(SHADOWCUT_NOT_FOUND, "there is no object at this index");
-    *id = {found.index, found.generation, found.scene};
+    copy_found(value_of(scene).object_id(index), "there is no object at this index", id);
   });
 }
 shadowcut_status shadowcut_scene_light_id(const shadowcut_scene* scene, uint32_t index, shadowcut_light_id* id) {
   return guarded([&] {
     require_pointers(id);
-    const LightId found = value_of(scene).light_id(index);
-    if (found.index == none) fail(SHADOWCUT_NOT_FOUND, "there is no light at this index");
-    *id = {found.index, found.generation, found.scene};
+    copy_found(value_of(scene).light_id(index), "there is no light at this index", id);
   });
 }
 shadowcut_status shadowcut_scene_light(const shadowcut_scene* scene, const shadowcut_light_id* id, shadowcut_light* light) {
