@@ -1,6 +1,4 @@
 // The command render: a picture of a scene, its shadows by one of the techniques of src/render.
-#include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
@@ -46,11 +44,9 @@ render::Wind wind_of(const std::string& text, const Scene& scene) {
   render::Wind wind;
   if (text.empty()) return wind;
   const std::vector<double> sway = parse_numbers_of("--wind", text, "X,Y");
-  double foot = std::numeric_limits<double>::infinity();
-  for (const Facet& facet : scene.facets())
-    for (const Corner& corner : scene.corners_of(facet)) foot = std::min(foot, scene.vertices()[corner.vertex].z());
+  const Eigen::AlignedBox3d box = render::box_of(scene);
   wind.sway = Vec3(sway[0], sway[1], 0).cast<float>();
-  wind.foot = std::isfinite(foot) ? static_cast<float>(foot) : 0;
+  wind.foot = box.isEmpty() ? 0 : static_cast<float>(box.min().z());
   return wind;
 }
 

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <vector>
 
+#include "polygon.hpp"
+
 namespace shadowcut::render {
 namespace {
 
 // Every program that draws surfaces has this, so that depths of one vertex are one number. A normal is bent by the inverse of the
 // transposed derivative of the motion: that says which way the facet faces; the drawn triangle's own normal is found where it is needed.
-const std::string common_vertex_shader = Model::bending_shader() + R"(
+const char* const common_vertex_shader = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 colour;
@@ -28,7 +30,7 @@ void main() {
 }
 )";
 
-const std::string ambient_fragment_shader = R"(
+const char* const ambient_fragment_shader = R"(
 in vec3 x;
 flat in vec3 n;
 flat in vec4 paint;
@@ -38,7 +40,7 @@ void main() { pixel = vec4(paint.rgb * share, 1.0); }
 )";
 
 // A light is (at, 1) or (its direction of travel, 0). axis.w: the cosine of the cone's half angle, or -2 for none.
-const std::string lit_main = R"(
+const char* const lit_main = R"(
 in vec3 x;
 flat in vec3 n;
 flat in vec4 paint;
@@ -83,6 +85,8 @@ std::array<std::uint8_t, 3> colour_of(const Object& object) {
   return {channel(0), channel(-2.0943951), channel(2.0943951)};
 }
 
+Eigen::AlignedBox3d box_of(const Scene& scene) { return compare::box_of(scene); }
+
 Paint paint_of(const Object& object) {
   const auto colour = colour_of(object);
   return {colour[0], colour[1], colour[2], static_cast<std::uint8_t>(object.sides == Sides::closed ? 255 : 0)};
@@ -91,11 +95,9 @@ Paint paint_of(const Object& object) {
 Model::Model(const Scene& scene)
     : vertices_(make_buffer()),
       array_(array_of(vertices_)),
-      ambient_(common_vertex_shader, ambient_fragment_shader),
+      ambient_(lit_vertex_shader(), ambient_fragment_shader),
       lit_(lit_vertex_shader(), lit_fragment_shader()) {
-  Eigen::AlignedBox3d box;
-  for (const Facet& facet : scene.facets())
-    for (const Corner& corner : scene.corners_of(facet)) box.extend(scene.vertices()[corner.vertex]);
+  const Eigen::AlignedBox3d box = box_of(scene);
   if (!box.isEmpty()) origin_ = box.center(), radius_ = std::max(box.diagonal().norm() / 2, std::numeric_limits<double>::min());
   upload(scene);
 }
@@ -183,8 +185,8 @@ VertexArray Model::array_of(const Buffer& vertices) {
   return array;
 }
 
-const std::string& Model::bending_shader() {
-  static const std::string text = R"(
+std::string Model::bending_shader() {
+  return R"(
 uniform vec3 sway;
 uniform float foot;
 vec3 bent(vec3 x) {
@@ -192,7 +194,6 @@ vec3 bent(vec3 x) {
   return x + sway * (high * high);
 }
 )";
-  return text;
 }
 
 void Model::use_wind(const Program& program) const {
@@ -200,7 +201,7 @@ void Model::use_wind(const Program& program) const {
   program.set("foot", wind_.foot - static_cast<float>(origin_.z()));
 }
 
-std::string Model::lit_vertex_shader() { return common_vertex_shader; }
+std::string Model::lit_vertex_shader() { return bending_shader() + common_vertex_shader; }
 std::string Model::lit_fragment_shader(const std::string& reached) { return reached + lit_main; }
 
 void Model::draw_triangles(bool receivers) const {

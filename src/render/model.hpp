@@ -40,7 +40,11 @@ struct Vertex {
 struct Wind {
   Vec3f sway = Vec3f::Zero();  // one over the scene's unit
   float foot = 0;              // z, scene units
+  friend bool operator==(const Wind& a, const Wind& b) { return a.sway == b.sway && a.foot == b.foot; }
 };
+
+// Of all corners of facets; empty where there are none.
+Eigen::AlignedBox3d box_of(const Scene& scene);
 
 constexpr float ambient_share = 0.35f;  // of a face's colour; the lights share the rest
 
@@ -54,7 +58,7 @@ class Model {
   void set_wind(const Wind& wind) { wind_ = wind; }
   const Wind& wind() const { return wind_; }
   // GLSL: vec3 bent(vec3 x), of the model's coordinates; and what it needs, for the program in use.
-  static const std::string& bending_shader();
+  static std::string bending_shader();
   void use_wind(const Program& program) const;
 
   Frame frame(const Camera& camera, int width, int height) const;

@@ -7,7 +7,7 @@
 namespace shadowcut::render {
 namespace {
 
-const std::string depth_vertex_shader = Model::bending_shader() + R"(
+const char* const depth_vertex_shader = R"(
 layout(location = 0) in vec3 position;
 uniform mat4 clip;
 void main() { gl_Position = clip * vec4(bent(position), 1.0); }
@@ -48,16 +48,15 @@ class ShadowMap : public Technique {
       : scene_(scene),
         model_(model),
         settings_(settings),
-        depth_(depth_vertex_shader, "void main() {}"),
+        depth_(Model::bending_shader() + depth_vertex_shader, "void main() {}"),
         cube_lit_(Model::lit_vertex_shader(), Model::lit_fragment_shader(cube_lookup)),
         flat_lit_(Model::lit_vertex_shader(), Model::lit_fragment_shader(flat_lookup)),
         framebuffer_(make_framebuffer()) {}
 
   void update() override {
-    const Wind& wind = model_.wind();
-    if (known_ == scene_.revision() && wind.sway == wind_.sway && wind.foot == wind_.foot) return;
+    if (known_ == scene_.revision() && wind_ == model_.wind()) return;
     known_ = scene_.revision();
-    wind_ = wind;
+    wind_ = model_.wind();
     GLint before = 0, viewport[4];
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &before);
     glGetIntegerv(GL_VIEWPORT, viewport);

@@ -20,7 +20,7 @@ struct VolumeVertex {
   float pushed;  // 1: to infinity
 };
 
-const std::string volume_vertex_shader = Model::bending_shader() + R"(
+const char* const volume_vertex_shader = R"(
 layout(location = 0) in vec4 corner;
 uniform mat4 clip;
 uniform vec4 light;
@@ -40,7 +40,7 @@ class Kolic : public Technique {
   Kolic(const Scene& scene, const Model& model)
       : scene_(scene),
         model_(model),
-        program_(volume_vertex_shader, "void main() {}"),
+        program_(Model::bending_shader() + volume_vertex_shader, "void main() {}"),
         buffer_(make_buffer()),
         array_(make_vertex_array()) {
     glBindVertexArray(array_.get());

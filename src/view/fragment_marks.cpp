@@ -7,7 +7,7 @@ namespace shadowcut::view {
 namespace {
 
 // Drawn `nearer` to the eye, as a share of the distance: at the same pixels, in front of the faces they lie on.
-const std::string vertex_shader = R"(
+const char* const vertex_shader = R"(
 layout(location = 0) in vec3 position;
 layout(location = 2) in vec4 colour;
 uniform mat4 clip;
@@ -20,7 +20,7 @@ void main() {
 }
 )";
 
-const std::string fragment_shader = R"(
+const char* const fragment_shader = R"(
 flat in vec3 paint;
 uniform float opacity;
 out vec4 pixel;
@@ -92,15 +92,11 @@ void FragmentMarks::draw_outlines(const render::Frame& frame) const {
 }
 
 void FragmentMarks::draw_cells(const render::Frame& frame) const {
-  // Once a pixel, as the fragments themselves are.
+  // As the fragments themselves are drawn.
   use(frame, 0.5f, 0);
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(-0.25f, -4);
-  glEnable(GL_STENCIL_TEST);
-  glStencilMask(0xFF);
-  glClear(GL_STENCIL_BUFFER_BIT);
-  glStencilFunc(GL_EQUAL, 0, 0xFF);
-  glStencilOp(GL_KEEP, GL_KEEP, GL_INCR);
+  render::Model::once_a_pixel();
   glBindVertexArray(cells_.array.get());
   glDrawArrays(GL_TRIANGLES, 0, cells_.count);
   glDisable(GL_STENCIL_TEST);

@@ -16,13 +16,6 @@ constexpr double steepest = 89 * std::numbers::pi / 180;
 
 }  // namespace
 
-Eigen::AlignedBox3d box_of(const Scene& scene) {
-  Eigen::AlignedBox3d box;
-  for (const Facet& facet : scene.facets())
-    for (const Corner& corner : scene.corners_of(facet)) box.extend(scene.vertices()[corner.vertex]);
-  return box;
-}
-
 render::Camera first_camera(const Scene& scene) {
   const Eigen::AlignedBox3d box = box_of(scene);
   const auto at = [&](double x, double y, double z) -> Vec3 { return box.min() + Vec3(x, y, z).cwiseProduct(box.sizes()); };

@@ -1,12 +1,11 @@
 // A person who walks and looks around: the camera, from what keys and mouse ask for. Knows no window.
 #pragma once
 
-#include "camera.hpp"
+#include "model.hpp"
 
 namespace shadowcut::view {
 
-// The corners of all facets.
-Eigen::AlignedBox3d box_of(const Scene& scene);
+using render::box_of;
 
 // Where to stand first: in a corner of a room and looking across it, or outside of what is no room.
 render::Camera first_camera(const Scene& scene);
