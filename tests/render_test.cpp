@@ -355,7 +355,9 @@ void paper_scene(const std::string& name, const Camera& outside) {
       {"near plane cuts", looking(edge - near * (outside.target - edge).normalized(), outside.target)}};
   for (const auto& [where, camera] : cameras) {
     const RayPicture here(scene, camera);
-    EXPECT_EQ(here.in_shadow(camera.eye) || where != "in a volume", true);
+    if (where == "in a volume") {
+      EXPECT_TRUE(here.in_shadow(camera.eye));
+    }
     for (const std::string& technique : render::technique_names()) {
       const bool from_light_only = technique == "stencil-standard" || technique == "stencil-kolic";
       if (from_light_only && where != "outside") continue;
