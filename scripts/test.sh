@@ -21,7 +21,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" "${tools[@]}"
 # The fuzzers need clang; they must find nothing.
 CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSHADOWCUT_FUZZ=ON -DSHADOWCUT_BENCH=OFF \
   -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -gline-tables-only" \
-  -DSHADOWCUT_CLI=OFF -DSHADOWCUT_TESTS=OFF >/dev/null
+  -DSHADOWCUT_C=OFF -DSHADOWCUT_CLI=OFF -DSHADOWCUT_TESTS=OFF >/dev/null
 cmake --build build/fuzz
 mkdir -p build/fuzz/corpus/fuzz_obj build/fuzz/corpus/fuzz_build build/fuzz/corpus/fuzz_edits
 for name in room1 branch3 tetrahedron2; do head -c 4000 "data/$name.obj" >"build/fuzz/corpus/fuzz_obj/$name"; done

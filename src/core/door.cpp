@@ -162,7 +162,10 @@ class Door {
     }
   }
 
-  void report(std::uint32_t face, Reason reason, std::string detail = {}) { issues.push_back({0, face, reason, std::move(detail)}); }
+  void report(std::uint32_t face, Reason reason, std::string detail = {}) {
+    Issue& issue = issues.emplace_back();
+    issue.face = face, issue.reason = reason, issue.detail = std::move(detail);
+  }
 
   // Fills loops_ with the face's welded loops. False: refused, and said so.
   bool take_loops(std::uint32_t f) {
