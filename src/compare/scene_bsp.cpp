@@ -9,6 +9,7 @@ namespace shadowcut::compare {
 SceneBsp::SceneBsp(const Scene& scene, std::uint32_t candidates, double tolerance) : scene_(scene), tolerance_(tolerance) {
   for (std::uint32_t i = 0; i < scene.facets().size(); ++i)
     if (scene.facets()[i].corner_count > 0) polygons_.push_back(polygon_of(scene, i));
+  for (const Polygon& polygon : polygons_) balls_.push_back(ball_of(polygon));
   std::vector<Task> tasks(1, {std::vector<std::uint32_t>(polygons_.size()), none, false});
   std::iota(tasks[0].polygons.begin(), tasks[0].polygons.end(), 0u);
   while (!tasks.empty()) {
@@ -16,6 +17,18 @@ SceneBsp::SceneBsp(const Scene& scene, std::uint32_t candidates, double toleranc
     tasks.pop_back();
     if (!task.polygons.empty()) divide(std::move(task), std::max(candidates, 1u), tasks);
   }
+}
+
+SceneBsp::Ball SceneBsp::ball_of(const Polygon& polygon) {
+  Eigen::AlignedBox3d box;
+  for (const PolygonCorner& corner : polygon.corners) box.extend(corner.at);
+  return {box.center(), box.diagonal().norm() / 2};
+}
+
+Side SceneBsp::side_of(std::uint32_t polygon, const HalfSpace& plane) const {
+  const double distance = plane.above(balls_[polygon].centre);
+  if (std::abs(distance) > balls_[polygon].radius + 2 * tolerance_) return distance > 0 ? Side::front : Side::back;
+  return stand(polygons_[polygon], plane, tolerance_).side;
 }
 
 HalfSpace SceneBsp::plane_of(std::uint32_t polygon) const {
@@ -32,7 +45,7 @@ std::uint32_t SceneBsp::best_root(std::span<const std::uint32_t> list, std::uint
     const HalfSpace plane = plane_of(candidate);
     std::size_t splits = 0;
     for (std::size_t i = 0; i < list.size() && splits < fewest; ++i)
-      splits += list[i] != candidate && stand(polygons_[list[i]], plane, tolerance_).side == Side::across;
+      splits += list[i] != candidate && side_of(list[i], plane) == Side::across;
     if (splits < fewest) fewest = splits, best = candidate;
   }
   return best;
@@ -47,13 +60,15 @@ void SceneBsp::divide(Task task, std::uint32_t candidates, std::vector<Task>& ta
   Task front{{}, here, true}, back{{}, here, false};
   for (const std::uint32_t i : task.polygons) {
     // The root is in its own plane, whatever its corners' roundings say.
-    const Standing standing = i == root ? Standing{Side::on, {}} : stand(polygons_[i], plane, tolerance_);
-    if (standing.side == Side::on) in_plane_.push_back(i);
-    if (standing.side == Side::front) front.polygons.push_back(i);
-    if (standing.side == Side::back) back.polygons.push_back(i);
-    if (standing.side != Side::across) continue;
-    Halves halves = split(polygons_[i], standing, cut);
+    const Side side = i == root ? Side::on : side_of(i, plane);
+    if (side == Side::on) in_plane_.push_back(i);
+    if (side == Side::front) front.polygons.push_back(i);
+    if (side == Side::back) back.polygons.push_back(i);
+    if (side != Side::across) continue;
+    Halves halves = split(polygons_[i], stand(polygons_[i], plane, tolerance_), cut);
     polygons_[i] = std::move(halves.front);
+    balls_[i] = ball_of(polygons_[i]);
+    balls_.push_back(ball_of(halves.back));
     front.polygons.push_back(i);
     back.polygons.push_back(static_cast<std::uint32_t>(polygons_.size()));
     polygons_.push_back(std::move(halves.back));
@@ -64,7 +79,8 @@ void SceneBsp::divide(Task task, std::uint32_t candidates, std::vector<Task>& ta
 }
 
 std::size_t SceneBsp::bytes() const {
-  return polygons_.capacity() * sizeof(Polygon) + nodes_.capacity() * sizeof(Node) + in_plane_.capacity() * sizeof(std::uint32_t);
+  return polygons_.capacity() * sizeof(Polygon) + balls_.capacity() * sizeof(Ball) + nodes_.capacity() * sizeof(Node) +
+         in_plane_.capacity() * sizeof(std::uint32_t);
 }
 
 }  // namespace shadowcut::compare

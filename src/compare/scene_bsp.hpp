@@ -39,6 +39,13 @@ class SceneBsp {
     std::uint32_t parent;
     bool in_front;
   };
+  // Around a polygon: on which side of a plane most of them lie, one distance tells.
+  struct Ball {
+    Vec3 centre;
+    double radius;
+  };
+  static Ball ball_of(const Polygon& polygon);
+  Side side_of(std::uint32_t polygon, const HalfSpace& plane) const;
   HalfSpace plane_of(std::uint32_t polygon) const;
   std::uint32_t best_root(std::span<const std::uint32_t> list, std::uint32_t candidates) const;
   void divide(Task task, std::uint32_t candidates, std::vector<Task>& tasks);
@@ -46,6 +53,7 @@ class SceneBsp {
   const Scene& scene_;
   double tolerance_;
   std::vector<Polygon> polygons_;
+  std::vector<Ball> balls_;
   std::vector<Node> nodes_;  // the first is the root
   std::vector<std::uint32_t> in_plane_;
 };
