@@ -9,9 +9,10 @@
 // needs no far plane.
 #include <algorithm>
 #include <array>
+#include <boost/functional/hash.hpp>
 #include <chrono>
 #include <cmath>
-#include <map>
+#include <unordered_map>
 
 #include "casters.hpp"
 #include "lighting.hpp"
@@ -33,8 +34,12 @@ using compare::Polygon;
 class Prepared {
  public:
   explicit Prepared(const Scene& scene) : scene_(scene), tolerance_(compare::tolerance_of(scene)), bsp_(scene, 8, tolerance_) {
+    for (const Polygon& polygon : bsp_.polygons()) {
+      first_corners_.push_back(corners_.size());
+      for (const compare::PolygonCorner& corner : polygon.corners) corners_.push_back(vertex_at(corner.at));
+    }
     collect_lines();
-    for (std::uint32_t i = 0; i < bsp_.polygons().size(); ++i) loops_.push_back(loop_of(bsp_.polygons()[i]));
+    for (std::uint32_t i = 0; i < bsp_.polygons().size(); ++i) loops_.push_back(loop_of(i));
   }
 
   const compare::SceneBsp& bsp() const { return bsp_; }
@@ -62,11 +67,14 @@ class Prepared {
 
   // All corners on a line, in order along it; those nearer to each other than rounding could part them are one vertex.
   void collect_lines() {
-    for (const Polygon& polygon : bsp_.polygons()) {
+    for (std::uint32_t p = 0; p < bsp_.polygons().size(); ++p) {
+      const Polygon& polygon = bsp_.polygons()[p];
       for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
-        const Vec3 &a = polygon.corners[i].at, &b = polygon.corners[i + 1 == polygon.corners.size() ? 0 : i + 1].at;
+        const std::size_t next = i + 1 == polygon.corners.size() ? 0 : i + 1;
+        const Vec3 &a = polygon.corners[i].at, &b = polygon.corners[next].at;
         Line& line = lines_.try_emplace(key_of(polygon, polygon.corners[i].edge), Line{a, (b - a).normalized(), {}}).first->second;
-        for (const Vec3& x : {a, b}) line.corners.push_back({(x - line.from).dot(line.direction), vertex_at(x)});
+        line.corners.push_back({(a - line.from).dot(line.direction), corner(p, i)});
+        line.corners.push_back({(b - line.from).dot(line.direction), corner(p, next)});
       }
     }
     for (auto& [key, line] : lines_) {
@@ -90,12 +98,16 @@ class Prepared {
     return static_cast<std::uint32_t>(vertices_.size() - 1);
   }
 
-  std::vector<std::uint32_t> loop_of(const Polygon& polygon) {
+  std::uint32_t corner(std::uint32_t polygon, std::size_t i) const { return corners_[first_corners_[polygon] + i]; }
+
+  std::vector<std::uint32_t> loop_of(std::uint32_t p) const {
+    const Polygon& polygon = bsp_.polygons()[p];
     std::vector<std::uint32_t> loop;
     for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
-      const Vec3 &a = polygon.corners[i].at, &b = polygon.corners[i + 1 == polygon.corners.size() ? 0 : i + 1].at;
+      const std::size_t next = i + 1 == polygon.corners.size() ? 0 : i + 1;
       const Line& line = lines_.at(key_of(polygon, polygon.corners[i].edge));
-      append_between(line, vertex_at(a), vertex_at(b), (b - a).dot(line.direction) > 0, loop);
+      const bool forward = (polygon.corners[next].at - polygon.corners[i].at).dot(line.direction) > 0;
+      append_between(line, corner(p, i), corner(p, next), forward, loop);
     }
     return loop;
   }
@@ -116,8 +128,10 @@ class Prepared {
   double tolerance_;
   compare::SceneBsp bsp_;
   std::vector<Vec3> vertices_;
-  std::map<std::array<std::int64_t, 3>, std::uint32_t> places_;
-  std::map<LineKey, Line> lines_;
+  std::unordered_map<std::array<std::int64_t, 3>, std::uint32_t, boost::hash<std::array<std::int64_t, 3>>> places_;
+  std::vector<std::size_t> first_corners_;  // of each polygon
+  std::vector<std::uint32_t> corners_;      // their vertices
+  std::unordered_map<LineKey, Line, boost::hash<LineKey>> lines_;
   std::vector<std::vector<std::uint32_t>> loops_;
 };
 
