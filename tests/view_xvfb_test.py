@@ -341,6 +341,26 @@ class View(unittest.TestCase):
         self.press("Escape")
         self.ends()
 
+    def test_the_wind_blows_where_shadows_follow_it(self):
+        self.start(os.path.join(DATA, "branch3.obj"), "--light", "point:1.13,-0.91,4.7", "--camera", "2.2,-2.4,2.6,0,0,0.9",
+                   "--technique", "stencil-kolic")
+        still = self.screenshot()
+        for technique in ("stencil-kolic", "shadow-map"):
+            self.switch_to(technique)
+            self.press("v")
+            self.wait_for(lambda: share_that_differs(still, self.screenshot()) > 0.01, "the branch to bend")
+            before = self.screenshot()
+            self.wait_for(lambda: share_that_differs(before, self.screenshot()) > 0.002, "the branch to bend on")
+            self.press("v")
+            self.assertLess(share_that_differs(still, self.screenshot()), self.limit("shadow-map"))
+        self.press("v")
+        self.switch_to("fragments")  # which no wind bends
+        self.assertLess(share_that_differs(still, self.screenshot()), self.limit("fragments"))
+        self.press("v")
+        self.assertLess(share_that_differs(still, self.screenshot()), self.limit("fragments"))
+        self.press("Escape")
+        self.ends()
+
     def test_outlines_cells_and_the_overlay(self):
         self.start()  # no argument: the furnished room
         self.assertIn("furnished room", self.server.title(self.window))

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <deque>
 #include <filesystem>
@@ -82,6 +83,8 @@ class Walkthrough {
   void remove_selected();
   void bring_back();
   void set_technique(const std::string& name);
+  void toggle_wind();
+  void let_blow(double seconds);
   void write_screenshot(bool with_overlay);
   Steps steps() const;
 
@@ -123,6 +126,7 @@ class Walkthrough {
   Eigen::Vector2d cursor_ = Eigen::Vector2d::Zero();
   std::uint32_t light_ = 0;  // whose fragments are shown
   bool outlines_ = false, cells_ = false, keys_ = true;
+  std::optional<double> wind_;  // for how long it has blown, in seconds
   bool picture_stale_ = true, window_stale_ = true, marks_stale_ = true;
   std::uint64_t known_ = 0, engine_known_ = 0;  // revisions of the scene: the technique's and the engine's
   Times updates_, engine_updates_, draws_;
@@ -148,10 +152,10 @@ void Walkthrough::run() {
   Clock::time_point then = Clock::now();
   bool walking = false;
   while (!window_.is_closed()) {
-    const bool idle = !walking && !picture_stale_ && !window_stale_;
-    for (const Event& event : window_.events(idle || size_.empty())) handle(event);
+    const bool waits = size_.empty() || (!walking && !wind_ && !picture_stale_ && !window_stale_);
+    for (const Event& event : window_.events(waits)) handle(event);
     // Time spent waiting is not walked, nor is more than a fast walker's quarter of a second at once.
-    const double passed = walking ? std::min(seconds_since(then), 0.25) : 0;
+    const double passed = waits ? 0 : std::min(seconds_since(then), 0.25);
     then = Clock::now();
     const Steps now = steps();
     walking = now.forward != 0 || now.right != 0 || now.up != 0 || now.turn_right != 0 || now.turn_up != 0;
@@ -160,6 +164,7 @@ void Walkthrough::run() {
       if (drag_ && drag_->moved) follow_cursor();
       picture_stale_ = true;
     }
+    if (wind_) let_blow(passed);
     const Size size = window_.picture();
     if (!(size == size_)) {
       size_ = size;
@@ -212,6 +217,9 @@ void Walkthrough::press(int key) {
       break;
     case GLFW_KEY_C:
       cells_ = !cells_, picture_stale_ = true;
+      break;
+    case GLFW_KEY_V:
+      toggle_wind();
       break;
     case GLFW_KEY_H:
       keys_ = !keys_;
@@ -322,8 +330,33 @@ void Walkthrough::set_technique(const std::string& name) {
   other_.reset();
   if (name != "fragments") other_ = render::make_technique(name, scene_, model_);
   technique_name_ = name;
+  if (wind_ && !technique().bends()) toggle_wind();
   updates_ = {}, draws_ = {};
   known_ = 0;
+  picture_stale_ = true;
+}
+
+void Walkthrough::toggle_wind() {
+  picture_stale_ = true;
+  if (wind_) {
+    wind_.reset();
+    model_.set_wind({});
+    message_ = "the wind has dropped";
+  } else if (technique().bends()) {
+    wind_ = 0;
+    message_ = "a wind blows";
+  } else {
+    message_ = "no wind: shadows of " + technique_name_ + " do not follow what the vertex shader bends";
+  }
+}
+
+// It carries what stands highest by up to a sixth of the scene's height, back and forth in two directions that never agree.
+void Walkthrough::let_blow(double seconds) {
+  *wind_ += seconds;
+  const double height = box_.sizes().z();
+  if (!(height > 0)) return;
+  const Vec3 sway(0.1 * std::sin(1.7 * *wind_) + 0.03 * std::sin(5.3 * *wind_), 0.06 * std::sin(1.1 * *wind_), 0);
+  model_.set_wind({(sway / height).cast<float>(), static_cast<float>(box_.min().z())});
   picture_stale_ = true;
 }
 
@@ -495,6 +528,7 @@ void Walkthrough::describe_keys(const ImVec2& below_figures) {
                                      {"1 to 7", "technique"},
                                      {"O", "fragment outlines"},
                                      {"C", "the tree's cells"},
+                                     {"V", "wind"},
                                      {"F12", "picture as PNG"},
                                      {"P", "the same with this"},
                                      {"H", "hide this"},
