@@ -426,6 +426,22 @@ TEST(Render, OnePlaneIsLitOnce) {
   }
 }
 
+// No driver here can be made to lose a context; this says what OpenGL says once it has.
+TEST(Render, ALostContextIsSaid) {
+  need_context();
+  const render::Target target(4, 4);
+  const auto real = epoxy_glGetError;
+  epoxy_glGetError = []() -> GLenum { return GL_CONTEXT_LOST; };
+  std::string said;
+  try {
+    target.read();
+  } catch (const Error& error) {
+    said = error.what();
+  }
+  epoxy_glGetError = real;
+  EXPECT_EQ(said, "OpenGL: reading the picture: the context was lost (error 1287)");
+}
+
 TEST(Render, MapsHaveSizesTheDriverHas) {
   const Scene scene = scenes::build(scenes::room(1));
   need_context();

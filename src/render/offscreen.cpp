@@ -27,12 +27,23 @@ OffscreenContext::OffscreenContext() {
   display_ = display();
   if (display_ == EGL_NO_DISPLAY || !eglInitialize(display_, nullptr, nullptr)) throw Error(no_driver);
   const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, 0, EGL_NONE};
-  const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,           3,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+  // The first two: a driver that was reset shall say so (GL_CONTEXT_LOST), and not draw on without its memory. Not every driver knows how.
+  const EGLint attributes[] = {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY,
+                               EGL_LOSE_CONTEXT_ON_RESET,
+                               EGL_CONTEXT_MAJOR_VERSION,
+                               3,
+                               EGL_CONTEXT_MINOR_VERSION,
+                               3,
+                               EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                               EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                               EGL_NONE};
   EGLConfig config = nullptr;
   EGLint count = 0;
-  if (eglBindAPI(EGL_OPENGL_API) && eglChooseConfig(display_, wanted, &config, 1, &count))
-    context_ = eglCreateContext(display_, count > 0 ? config : nullptr, EGL_NO_CONTEXT, version);
+  if (eglBindAPI(EGL_OPENGL_API) && eglChooseConfig(display_, wanted, &config, 1, &count)) {
+    if (count == 0) config = nullptr;
+    context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, attributes);
+    if (context_ == EGL_NO_CONTEXT) context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, attributes + 2);
+  }
   if (context_ != EGL_NO_CONTEXT && eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) return;
   if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
   eglTerminate(display_);
