@@ -1,0 +1,117 @@
+// What fragments inherit: the numbers at the corners of the triangle in which a fragment lies, in the world, and from them those at any point
+// of it. Affine maps keep barycentric coordinates, so the triangle is brought to the world, once for all of its fragments' corners.
+import { carried } from './sources.js';
+
+const [normal, , , color, tangent] = carried.keys();
+const most = 32; // numbers of a corner; what is carried has at most 3 + 4 + 4 + 4 + 4
+
+export class FaceReader {
+  itemSizes = []; // by number in `carried`; 0: not carried
+  #corners = [new Float64Array(most), new Float64Array(most), new Float64Array(most)];
+  #points = new Float64Array(9); // of the corners, less the origin
+  #unit = new Float64Array(3); // the face's normal, to its front
+  // Where the triangle is seen from the axis to which it is turned most: which coordinates are left, the first corner, the two edges from it
+  // over their cross product.
+  #u = 0;
+  #v = 1;
+  #frame = new Float64Array(6);
+  #size = 0;
+
+  read(instance, face, origin) {
+    const { entry } = instance;
+    const { source } = entry;
+    const first = 3 * (face - instance.firstFace);
+    this.#place(instance, source, first, origin);
+    let at = 0;
+    for (let k = 0; k < this.itemSizes.length; ++k) {
+      const size = this.itemSizes[k];
+      if (size === 0) continue;
+      for (let c = 0; c < 3; ++c) this.#copy(k, size, source, source.corners[first + c], this.#corners[c], at);
+      if (k === normal) this.#turnNormals(instance, source.attributes[k] !== undefined, at);
+      else if (k === tangent) this.#turnTangents(instance.matrix, at);
+      else if (k === color && entry.tinted) this.#tint(entry, instance.tint, first / 3, size, at);
+      at += size;
+    }
+    this.#size = at;
+  }
+
+  // At a point of the triangle, less the origin.
+  interpolate(x, y, z, out, at) {
+    const f = this.#frame, u = this.#u, v = this.#v;
+    const pu = (u === 0 ? x : y) - f[0], pv = (v === 2 ? z : y) - f[1];
+    // Rounding must not leave the triangle: a needle's would by far.
+    let b = clamp(pu * f[5] - pv * f[4]), c = clamp(pv * f[2] - pu * f[3]);
+    if (b + c > 1) {
+      const scale = 1 / (b + c);
+      b *= scale, c *= scale;
+    }
+    const a = 1 - b - c;
+    const [A, B, C] = this.#corners;
+    for (let i = 0; i < this.#size; ++i) out[at + i] = a * A[i] + b * B[i] + c * C[i];
+    const nx = a * A[0] + b * B[0] + c * C[0], ny = a * A[1] + b * B[1] + c * C[1], nz = a * A[2] + b * B[2] + c * C[2];
+    const length = Math.sqrt(nx * nx + ny * ny + nz * nz);
+    if (length > 0) out[at] = nx / length, out[at + 1] = ny / length, out[at + 2] = nz / length;
+  }
+
+  #place(instance, source, first, origin) {
+    const m = instance.matrix, p = this.#points, { points, corners } = source;
+    const ox = m[12] - origin[0], oy = m[13] - origin[1], oz = m[14] - origin[2];
+    for (let c = 0; c < 3; ++c) {
+      const from = 3 * corners[first + c];
+      const x = points[from], y = points[from + 1], z = points[from + 2];
+      p[3 * c] = m[0] * x + m[4] * y + m[8] * z + ox;
+      p[3 * c + 1] = m[1] * x + m[5] * y + m[9] * z + oy;
+      p[3 * c + 2] = m[2] * x + m[6] * y + m[10] * z + oz;
+    }
+    const bx = p[3] - p[0], by = p[4] - p[1], bz = p[5] - p[2], cx = p[6] - p[0], cy = p[7] - p[1], cz = p[8] - p[2];
+    const nx = by * cz - bz * cy, ny = bz * cx - bx * cz, nz = bx * cy - by * cx;
+    const ax = Math.abs(nx), ay = Math.abs(ny), az = Math.abs(nz);
+    const f = this.#frame;
+    if (az >= ax && az >= ay) this.#project(0, 1, nz);
+    else if (ay >= ax) this.#project(0, 2, -ny);
+    else this.#project(1, 2, nx);
+    const length = (instance.mirrored ? -1 : 1) * Math.hypot(nx, ny, nz) || 1;
+    this.#unit[0] = nx / length, this.#unit[1] = ny / length, this.#unit[2] = nz / length;
+    return f;
+  }
+  #project(u, v, doubledArea) {
+    const p = this.#points, f = this.#frame;
+    this.#u = u, this.#v = v;
+    f[0] = p[u], f[1] = p[v];
+    f[2] = (p[3 + u] - p[u]) / doubledArea, f[3] = (p[3 + v] - p[v]) / doubledArea;
+    f[4] = (p[6 + u] - p[u]) / doubledArea, f[5] = (p[6 + v] - p[v]) / doubledArea;
+  }
+
+  // What a mesh does not have: white, and zeros.
+  #copy(k, size, source, vertex, to, at) {
+    const attribute = source.attributes[k];
+    const have = attribute ? attribute.itemSize : 0;
+    for (let i = 0; i < size; ++i) to[at + i] = i < have ? attribute.numbers[have * vertex + i] : k === color ? 1 : 0;
+  }
+  #turnNormals(instance, given, at) {
+    const m = instance.normalMatrix;
+    for (const to of this.#corners) {
+      const x = to[at], y = to[at + 1], z = to[at + 2];
+      const nx = m[0] * x + m[3] * y + m[6] * z, ny = m[1] * x + m[4] * y + m[7] * z, nz = m[2] * x + m[5] * y + m[8] * z;
+      const length = Math.sqrt(nx * nx + ny * ny + nz * nz);
+      if (given && length > 0) to[at] = nx / length, to[at + 1] = ny / length, to[at + 2] = nz / length;
+      else to.set(this.#unit, at);
+    }
+  }
+  #turnTangents(m, at) {
+    for (const to of this.#corners) {
+      const x = to[at], y = to[at + 1], z = to[at + 2];
+      const tx = m[0] * x + m[4] * y + m[8] * z, ty = m[1] * x + m[5] * y + m[9] * z, tz = m[2] * x + m[6] * y + m[10] * z;
+      const length = Math.sqrt(tx * tx + ty * ty + tz * tz) || 1;
+      to[at] = tx / length, to[at + 1] = ty / length, to[at + 2] = tz / length;
+    }
+  }
+  // As three.js: an instance's colour counts always, vertex colours where the material says so.
+  #tint(entry, tint, triangle, size, at) {
+    const colored = entry.vertexColors[entry.source.groups?.[triangle] ?? 0];
+    for (const to of this.#corners) {
+      for (let i = 0; i < size; ++i) to[at + i] = (colored ? to[at + i] : 1) * (i < 3 && tint ? tint[i] : 1);
+    }
+  }
+}
+const clamp = (x) => (x > 0 ? Math.min(x, 1) : 0);
