@@ -104,6 +104,7 @@ export class FragmentGeometry {
     if (anew || layoutChanged || info.grown || !this.#vertices) this.#fill(info);
     else this.#follow(vertexRanges, indexRanges, info);
     if (this.withLines !== (this.#lineIndex !== null)) this.#makeLines();
+    this.lines.setDrawRange(0, 2 * info.vertexCount);
     this.#streams = null;
     this.#mirror.restyled.clear();
   }

@@ -261,19 +261,15 @@ export class Mirror {
     entry.matrixVersion = version;
     entry.world.set(world);
   }
-  // The engine has a front on the side where corners run counter-clockwise in the world; three.js, in the object's frame. So an object that
-  // is turned inside out by its matrix is another mesh to the engine.
   #pose(instance, elements) {
     if (same(instance.matrix, elements)) return;
     const { mesh } = instance.entry;
     inverse.setFromMatrix4(matrix.fromArray(elements));
     const determinant = inverse.determinant();
-    const mirrored = determinant < 0;
-    if (instance.id && mirrored !== instance.mirrored) this.#remove(instance);
     for (let row = 0; row < 4; ++row) for (let column = 0; column < 4; ++column) pose[4 * row + column] = elements[4 * column + row];
     try {
       if (instance.id) this.#scene.setPose(instance.id, pose);
-      else this.#add(instance, mirrored);
+      else this.#add(instance);
     } catch (error) {
       if (error.status !== 'REFUSED' && error.status !== 'INVALID_ARGUMENT') throw error;
       if (instance.id) this.#remove(instance);
@@ -284,15 +280,14 @@ export class Mirror {
       return;
     }
     instance.matrix.set(elements);
-    instance.mirrored = mirrored;
+    instance.mirrored = determinant < 0;
     instance.normalMatrix.set(inverse.invert().transpose().elements);
     this.#edit(instance);
   }
-  #add(instance, mirrored) {
+  #add(instance) {
     const { mesh, source, casts, receives } = instance.entry;
-    const indices = mirrored ? source.corners.map((_, i) => source.corners[i - (i % 3) + ((3 - (i % 3)) % 3)]) : source.corners;
     const settings = { pose, casts, receives, moves: this.#options.moves(mesh), name: mesh.name || mesh.uuid };
-    instance.id = this.#scene.add({ positions: source.points, indices }, settings);
+    instance.id = this.#scene.add({ positions: source.points, indices: source.corners }, settings);
     this.instances[instance.id.index] = instance;
     this.#recheck = true;
   }
