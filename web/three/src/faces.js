@@ -1,5 +1,5 @@
-// What fragments inherit: the numbers at the corners of the triangle in which a fragment lies, in the world, and from them those at any point
-// of it. Affine maps keep barycentric coordinates, so the triangle is brought to the world, once for all of its fragments' corners.
+// What fragments inherit: the numbers at the corners of a triangle of the face in which a fragment lies, in the world, and from them those at
+// any point of the face. Affine maps keep barycentric coordinates, so the triangle is brought to the world, once for all corners of fragments.
 import { carried } from './sources.js';
 
 const [normal, , , color, tangent] = carried.keys();
@@ -16,11 +16,13 @@ export class FaceReader {
   #v = 1;
   #frame = new Float64Array(6);
   #size = 0;
+  #isTriangle = true; // the face; otherwise it is more than the triangle
 
   read(instance, face, origin) {
     const { entry } = instance;
     const { source } = entry;
     const first = 3 * (face - instance.firstFace);
+    this.#isTriangle = source.cornerCounts[face - instance.firstFace] === 3;
     this.#place(instance, source, first, origin);
     let at = 0;
     for (let k = 0; k < this.itemSizes.length; ++k) {
@@ -39,11 +41,14 @@ export class FaceReader {
   interpolate(x, y, z, out, at) {
     const f = this.#frame, u = this.#u, v = this.#v;
     const pu = (u === 0 ? x : y) - f[0], pv = (v === 2 ? z : y) - f[1];
-    // Rounding must not leave the triangle: a needle's would by far.
-    let b = clamp(pu * f[5] - pv * f[4]), c = clamp(pv * f[2] - pu * f[3]);
-    if (b + c > 1) {
-      const scale = 1 / (b + c);
-      b *= scale, c *= scale;
+    let b = pu * f[5] - pv * f[4], c = pv * f[2] - pu * f[3];
+    if (this.#isTriangle) {
+      // Rounding must not leave it: of a needle it would by far.
+      b = clamp(b), c = clamp(c);
+      if (b + c > 1) {
+        const scale = 1 / (b + c);
+        b *= scale, c *= scale;
+      }
     }
     const a = 1 - b - c;
     const [A, B, C] = this.#corners;
@@ -94,7 +99,8 @@ export class FaceReader {
       const x = to[at], y = to[at + 1], z = to[at + 2];
       const nx = m[0] * x + m[3] * y + m[6] * z, ny = m[1] * x + m[4] * y + m[7] * z, nz = m[2] * x + m[5] * y + m[8] * z;
       const length = Math.sqrt(nx * nx + ny * ny + nz * nz);
-      if (given && length > 0) to[at] = nx / length, to[at + 1] = ny / length, to[at + 2] = nz / length;
+      const by = this.#isTriangle ? length : 1; // as three.js does; only what is not brought to length one is affine beyond the triangle
+      if (given && length > 0) to[at] = nx / by, to[at + 1] = ny / by, to[at + 2] = nz / by;
       else to.set(this.#unit, at);
     }
   }

@@ -6,6 +6,8 @@
 // Triangles. The buffers' too, but sorted by material: each material has a region of the index, with room to spare; a triangle that comes is
 // put at the region's end, and where one goes, the region's last takes its place. So what has to be uploaded is in proportion to what has
 // changed. Regions that overflow are laid out anew, all of them, with half as much room again.
+// Cracks. Where a corner of one fragment lies on the edge of another, a rasteriser leaves pixels out between the two. So each vertex says
+// where "outward" is, and the shaders (materials.js) draw fragments larger than they are by a small share of a pixel.
 // Outlines. Lines from each vertex to the next around its fragment: a second index over the same vertices, kept only while it is wanted.
 import { BufferAttribute, BufferGeometry, InterleavedBuffer, InterleavedBufferAttribute, Sphere, Vector3 } from 'three';
 import { FaceReader } from './faces.js';
@@ -125,7 +127,7 @@ export class FragmentGeometry {
     const changed = maskSize !== this.#maskSize || carried.some((_, k) => sizes[k] !== this.#itemSizes[k]);
     this.#itemSizes = sizes;
     this.#maskSize = maskSize;
-    this.#stride = 3 + maskSize + sizes.reduce((a, b) => a + b, 0);
+    this.#stride = 6 + maskSize + sizes.reduce((a, b) => a + b, 0);
     this.#reader.itemSizes = sizes;
     return changed;
   }
@@ -137,6 +139,7 @@ export class FragmentGeometry {
     this.#makeVertices(info.vertexCapacity);
     this.#writeVertices(0, info.vertexCount);
     this.#tripleCount = info.indexCount / 3;
+    this.#writeOutward(0, this.#tripleCount);
     const triples = info.indexCapacity / 3;
     this.#slotOf = new Int32Array(triples).fill(-1);
     this.#placeOf = new Int32Array(triples);
@@ -151,8 +154,9 @@ export class FragmentGeometry {
     for (const name of Object.keys(geometry.attributes)) geometry.deleteAttribute(name);
     const position = new InterleavedBufferAttribute(this.#vertices, 3, 0);
     geometry.setAttribute('position', position);
-    geometry.setAttribute('shadowcutMask', new InterleavedBufferAttribute(this.#vertices, this.#maskSize, 3));
-    let at = 3 + this.#maskSize;
+    geometry.setAttribute('shadowcutMask', new InterleavedBufferAttribute(this.#vertices, this.#maskSize, 6));
+    geometry.setAttribute('shadowcutOutward', new InterleavedBufferAttribute(this.#vertices, 3, 3));
+    let at = 6 + this.#maskSize;
     carried.forEach((name, k) => {
       const size = this.#itemSizes[k];
       if (size > 0) geometry.setAttribute(name, new InterleavedBufferAttribute(this.#vertices, size, at));
@@ -171,6 +175,7 @@ export class FragmentGeometry {
     let fits = true;
     for (const { first, count: n } of indexRanges) {
       for (let t = first / 3; t < (first + n) / 3; ++t) fits = this.#putRight(t) && fits;
+      this.#writeOutward(first / 3, (first + n) / 3);
       if (this.#lineIndex) this.#writeLines(first / 3, (first + n) / 3);
     }
     if (this.#mirror.restyled.size > 0) fits = this.#restyle() && fits;
@@ -384,8 +389,45 @@ export class FragmentGeometry {
       const at = v * stride;
       const x = positions[3 * v], y = positions[3 * v + 1], z = positions[3 * v + 2];
       out[at] = x, out[at + 1] = y, out[at + 2] = z;
-      this.#writeMask(v, at + 3);
-      reader.interpolate(x, y, z, out, at + 3 + maskSize);
+      this.#writeMask(v, at + 6);
+      reader.interpolate(x, y, z, out, at + 6 + maskSize);
+    }
+  }
+  // Of whole fragments: what moves both edges at a corner outward by one, in the face's plane; no more than four at sharp corners.
+  #writeOutward(firstTriple, endTriple) {
+    const { indices } = this.#streams;
+    for (let t = firstTriple; t < endTriple; ) {
+      const first = indices[3 * t];
+      let last = indices[3 * t + 2];
+      for (++t; t < endTriple && indices[3 * t] === first; ++t) last = indices[3 * t + 2];
+      if (last > first) this.#writeOutwardOf(first, last);
+    }
+  }
+  #writeOutwardOf(first, last) {
+    const p = this.#streams.positions, out = this.#vertices.array, stride = this.#stride;
+    let nx = 0, ny = 0, nz = 0; // twice the area, along the normal
+    const ox = p[3 * first], oy = p[3 * first + 1], oz = p[3 * first + 2];
+    let bx = p[3 * first + 3] - ox, by = p[3 * first + 4] - oy, bz = p[3 * first + 5] - oz;
+    for (let v = first + 2; v <= last; ++v) {
+      const cx = p[3 * v] - ox, cy = p[3 * v + 1] - oy, cz = p[3 * v + 2] - oz;
+      nx += by * cz - bz * cy, ny += bz * cx - bx * cz, nz += bx * cy - by * cx;
+      bx = cx, by = cy, bz = cz;
+    }
+    const n = 1 / (Math.sqrt(nx * nx + ny * ny + nz * nz) || 1);
+    nx *= n, ny *= n, nz *= n;
+    // Outward of the edge that comes to a corner, and of the one that leaves it.
+    let ux = 0, uy = 0, uz = 0;
+    for (let v = first - 1; v <= last; ++v) {
+      const from = 3 * (v < first ? last : v), to = 3 * (v === last ? first : v + 1);
+      const ex = p[to] - p[from], ey = p[to + 1] - p[from + 1], ez = p[to + 2] - p[from + 2];
+      const e = 1 / (Math.sqrt(ex * ex + ey * ey + ez * ez) || 1);
+      const wx = (ey * nz - ez * ny) * e, wy = (ez * nx - ex * nz) * e, wz = (ex * ny - ey * nx) * e;
+      if (v >= first) {
+        const scale = 1 / Math.max(1 + ux * wx + uy * wy + uz * wz, 0.125);
+        const at = v * stride + 3;
+        out[at] = (ux + wx) * scale, out[at + 1] = (uy + wy) * scale, out[at + 2] = (uz + wz) * scale;
+      }
+      ux = wx, uy = wy, uz = wz;
     }
   }
   #writeMask(v, at) {

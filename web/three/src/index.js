@@ -150,7 +150,7 @@ export class SceneShadows {
     if (!this.#origin) this.#chooseOrigin();
     this.#buffers?.dispose();
     this.#buffers = null;
-    const layout = { origin: this.#geometry.origin, doubles: true, indexed: true, normals: false, objects: true };
+    const layout = { origin: this.#geometry.origin, doubles: true, indexed: true, normals: false, objects: true, joinedGap: 0 };
     this.#buffers = new this.#shadowcut.Buffers(light, { ...layout, states: light !== 'all', masks: light === 'all' });
     this.#light = light;
     return true;

@@ -4,7 +4,7 @@
 // so there is nothing to copy and nothing to keep in step; and the original itself, which may be used elsewhere, stays as it is. Own are only
 // the identity (three.js keeps programs by it), the listeners, the shader's patch, and what three.js itself writes while it draws.
 //
-// Materials that take no light are used as they are.
+// Materials that take no light are drawn without cracks, and otherwise are as they are; raw shaders are left alone.
 import { Material, ShaderChunk } from 'three';
 
 export const bitsPerNumber = 24; // of a mask: so many are exact in a float
@@ -31,6 +31,12 @@ const kindOf = (light) => {
   return light.isDirectionalLight ? 'DIR' : undefined;
 };
 
+// Larger by this share of half the picture's height: a tenth of a pixel in pictures of a thousand lines. What a rasteriser's fixed-point
+// coordinates leave out between neighbours is less.
+const growth = 2e-4;
+const growing = /* glsl */ `#include <begin_vertex>
+\ttransformed += shadowcutOutward * ( ${growth} / projectionMatrix[ 1 ][ 1 ] * abs( ( projectionMatrix * modelViewMatrix * vec4( transformed, 1.0 ) ).w ) );
+`;
 const vertexDeclarations = /* glsl */ `
 attribute vec4 shadowcutMask;
 flat varying highp uvec4 vShadowcutMask;
@@ -69,7 +75,12 @@ const lightLoops = ShaderChunk.lights_fragment_begin
   })
   .join('');
 
+// uniforms: null where it takes no light.
 function patch(shader, uniforms) {
+  shader.vertexShader = shader.vertexShader
+    .replace('#include <begin_vertex>', growing)
+    .replace('void main() {', 'attribute vec3 shadowcutOutward;\nvoid main() {');
+  if (!uniforms) return;
   Object.assign(shader.uniforms, uniforms);
   shader.vertexShader = shader.vertexShader.replace(
     'void main() {',
@@ -112,11 +123,10 @@ function shade(original, uniforms, tinted) {
   follow(shaded, original, 'side');
   followVersion(shaded, original);
   if (tinted) shaded.vertexColors = true;
-  if (!takesLight(original)) return shaded;
   if (original.isShaderMaterial) shaded.uniforms = Object.create(original.uniforms); // three.js takes these as they are: ours are not to be left in them
   shaded.onBeforeCompile = (shader, renderer) => {
     original.onBeforeCompile(shader, renderer);
-    patch(shader, uniforms);
+    patch(shader, takesLight(original) ? uniforms : null);
   };
   shaded.customProgramCacheKey = () => `shadowcut ${original.customProgramCacheKey()}`;
   return shaded;
@@ -142,7 +152,7 @@ export class Palette {
     if (slot < 0) {
       slot = this.#free.pop() ?? this.#slots.length;
       this.#slots[slot] = { original, tinted, users: 0 };
-      this.materials[slot] = tinted || takesLight(original) ? shade(original, this.#uniforms, tinted) : original;
+      this.materials[slot] = original.isRawShaderMaterial ? original : shade(original, this.#uniforms, tinted);
       pair[+tinted] = slot;
     }
     ++this.#slots[slot].users;

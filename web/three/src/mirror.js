@@ -184,7 +184,7 @@ export class Mirror {
       entry.topology = source.topology;
       entry.positions = source.positions;
       this.attributesChanged = true;
-      if (source.triangleCount === 0) this.#report(entry.mesh, 'has no triangles');
+      if (source.faceCount === 0) this.#report(entry.mesh, 'has no triangles');
     } else if (entry.positions !== source.positions) {
       for (const instance of entry.instances) {
         if (!instance.id) continue;
@@ -241,7 +241,7 @@ export class Mirror {
   #lookAtPoses(entry) {
     const { mesh, instances } = entry;
     const world = mesh.matrixWorld.elements;
-    if (entry.source.triangleCount === 0) return;
+    if (entry.source.faceCount === 0) return;
     if (!mesh.isInstancedMesh) {
       if (instances.length === 0) instances.push(new Instance(entry));
       this.#pose(instances[0], world);
@@ -287,7 +287,7 @@ export class Mirror {
   #add(instance) {
     const { mesh, source, casts, receives } = instance.entry;
     const settings = { pose, casts, receives, moves: this.#options.moves(mesh), name: mesh.name || mesh.uuid };
-    instance.id = this.#scene.add({ positions: source.points, indices: source.corners }, settings);
+    instance.id = this.#scene.add({ positions: source.points, indices: source.outlines, cornerCounts: source.cornerCounts }, settings);
     this.instances[instance.id.index] = instance;
     this.#recheck = true;
   }

@@ -1,6 +1,7 @@
-// What is read of a three.js geometry: its triangles, as the engine takes them, and the attributes that fragments inherit, as plain arrays.
+// What is read of a three.js geometry: its faces, as the engine takes them, and the attributes that fragments inherit, as plain arrays.
 // Read once for all meshes that share a geometry, and again when three.js' version numbers say that something has changed.
 import { Vector3, Vector4 } from 'three';
+import { joinTriangles } from './polygons.js';
 
 // The attributes carried over, by their numbers in the lists below, and how many numbers of each there may be.
 export const carried = ['normal', 'uv', 'uv1', 'color', 'tangent'];
@@ -28,12 +29,15 @@ export class Source {
   positions = 0;
   style = 0;
   points; // x, y, z by vertex, in the object's frame
-  corners; // three vertices a triangle, as three.js draws them
-  groups; // the material's number by triangle; or null: the first everywhere
+  outlines; // the faces: their vertices, one face after another
+  cornerCounts; // of each
+  corners; // three vertices of each: the triangle from which all that the face's points have is worked out
+  groups; // the material's number by face; or null: the first everywhere
   attributes = []; // by number in `carried`: { numbers, itemSize }, or undefined
   #geometry;
   #grouped;
   #baked; // the mesh whose pose was taken, or null
+  #changes; // positions or attributes have changed, and will again: its triangles are not joined
   #seen = { attributes: [], versions: [] };
   #checked = -1;
 
@@ -41,24 +45,26 @@ export class Source {
     this.#geometry = geometry;
     this.#grouped = grouped;
     this.#baked = baked;
+    this.#changes = baked !== null;
   }
-  get triangleCount() {
-    return this.corners.length / 3;
+  get faceCount() {
+    return this.cornerCounts.length;
   }
 
   // Brings all up to date; once for each stamp.
   check(stamp) {
     if (this.#checked === stamp) return;
     this.#checked = stamp;
-    if (this.#topologyChanged()) {
-      this.#readTriangles();
-      this.#readPositions();
-      this.#readAttributes();
-      return;
-    }
     const { position } = this.#geometry.attributes;
-    if (this.#seen.position !== position || this.#seen.positionVersion !== versionOf(position)) this.#readPositions();
-    if (this.#attributesChanged()) this.#readAttributes();
+    const moved = this.#seen.position !== position || this.#seen.positionVersion !== versionOf(position);
+    const restyled = this.#attributesChanged();
+    const known = this.corners !== undefined;
+    const joined = known && !this.#changes && (moved || restyled) && this.outlines.length > 3 * this.faceCount;
+    if (known && (moved || restyled)) this.#changes = true;
+    const anew = joined || this.#topologyChanged();
+    if (anew || moved) this.#readPositions();
+    if (anew || restyled) this.#readAttributes();
+    if (anew) this.#readFaces();
   }
   // Takes the mesh's present pose, from now on.
   bake(mesh) {
@@ -88,7 +94,7 @@ export class Source {
       seen.vertices !== (attributes.position?.count ?? 0)
     );
   }
-  #readTriangles() {
+  #readFaces() {
     const { index, drawRange, groups, attributes } = this.#geometry;
     const vertices = attributes.position?.count ?? 0;
     const seen = this.#seen;
@@ -97,16 +103,19 @@ export class Source {
     const all = index ? index.count : vertices;
     const first = Math.max(0, drawRange.start), end = Math.min(all, drawRange.start + drawRange.count);
     const parts = this.#grouped ? groups : [{ start: 0, count: Infinity, materialIndex: 0 }];
-    const corners = [], numbers = [];
+    const triangles = [], numbers = [];
     for (const { start, count, materialIndex } of parts) {
       const last = Math.min(end, start + count);
       for (let i = Math.max(first, start); i + 2 < last; i += 3) {
-        for (let k = i; k < i + 3; ++k) corners.push(index ? index.getX(k) : k);
+        for (let k = i; k < i + 3; ++k) triangles.push(index ? index.getX(k) : k);
         numbers.push(materialIndex ?? 0);
       }
     }
-    this.corners = Uint32Array.from(corners);
-    this.groups = this.#grouped ? Uint32Array.from(numbers) : null;
+    const faces = joinTriangles(triangles, numbers, this.points, this.#changes ? null : this.attributes);
+    this.outlines = faces.outlines;
+    this.cornerCounts = faces.cornerCounts;
+    this.corners = faces.corners;
+    this.groups = this.#grouped ? faces.numbers : null;
     this.topology = ++revisions;
   }
 

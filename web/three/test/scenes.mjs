@@ -31,7 +31,7 @@ function geometries(r) {
     () => new THREE.TetrahedronGeometry(1),
     () => new THREE.TorusGeometry(0.7, 0.25, 4, 6),
   ])();
-  if (r.next() < 0.3) geometry = geometry.toNonIndexed();
+  if (r.next() < 0.3 && geometry.index) geometry = geometry.toNonIndexed();
   const { count } = geometry.attributes.position;
   if (r.next() < 0.4) {
     const size = r.pick([3, 4]);
