@@ -398,6 +398,9 @@ export interface Buffers extends Disposable {
   /** What the last update changed, in vertices and indices. */
   readonly changedVertices: { first: number; count: number }[];
   readonly changedIndices: { first: number; count: number }[];
+  /** The same as first, count, first, count, ...: for pages that read them every frame, and want nothing collected. */
+  readonly changedVertexNumbers: Uint32Array;
+  readonly changedIndexNumbers: Uint32Array;
   /** The same in a stream's elements: what three.js' BufferAttribute.addUpdateRange(start, count) takes. */
   changedRanges(name: keyof Streams): { start: number; count: number }[];
   /** Copies them to an array of the page's own, as long as the stream or longer, which no growth touches; and returns them. */

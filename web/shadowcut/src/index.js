@@ -492,6 +492,21 @@ class Buffers extends Handle {
   get changedIndices() {
     return this.module.list('range', 0, this.info.changedIndexRanges, 'buffers_changed_indices', this.at);
   }
+  // The same as numbers, first and count of each: an array and no more, however many there are.
+  get changedVertexNumbers() {
+    return this.#rangeNumbers(this.info.changedVertexRanges, 'buffers_changed_vertices');
+  }
+  get changedIndexNumbers() {
+    return this.#rangeNumbers(this.info.changedIndexRanges, 'buffers_changed_indices');
+  }
+  #rangeNumbers(count, name) {
+    const { module } = this;
+    return module.within(() => {
+      const at = module.take(8 * count);
+      module.call(name, this.at, 0, count, at);
+      return module.array(Uint32Array, at, 2 * count).slice();
+    });
+  }
   // What the last update changed of a stream, as ranges of its elements: three.js' addUpdateRange(start, count).
   changedRanges(name) {
     const size = this.itemSize(name);

@@ -22,6 +22,7 @@ async function bytesOf({ wasmBinary, wasmUrl }) {
   return response.arrayBuffer();
 }
 
+const decoder = new TextDecoder();
 const names = Object.entries(statuses).reduce((list, [name, number]) => ((list[number] = name), list), []);
 
 export class Module {
@@ -45,6 +46,7 @@ export class Module {
     this.room = functions.malloc(this.roomSize) >>> 0;
     this.used = 0;
     this.lent = []; // what did not fit
+    this.inits = new Map(); // by kind of struct: the function that sets it; null where there is none
   }
 
   get buffer() {
@@ -82,7 +84,7 @@ export class Module {
 
   text(at) {
     const bytes = new Uint8Array(this.buffer, at >>> 0);
-    return new TextDecoder().decode(bytes.subarray(0, bytes.indexOf(0)).slice());
+    return decoder.decode(bytes.subarray(0, bytes.indexOf(0)).slice());
   }
   putText(text) {
     const bytes = new TextEncoder().encode(`${text}\0`);
@@ -144,8 +146,9 @@ export class Module {
   // A struct as its *_init function leaves it; of one without, nothing.
   begin(kind) {
     const at = this.take(structs[kind].size);
-    const init = `${snake(kind)}_init`;
-    if (this.c[`shadowcut_${init}`]) this.call(init, at);
+    let init = this.inits.get(kind);
+    if (init === undefined) this.inits.set(kind, (init = this.c[`shadowcut_${snake(kind)}_init`] ? `${snake(kind)}_init` : null));
+    if (init !== null) this.call(init, at);
     return at;
   }
   read(kind, at) {

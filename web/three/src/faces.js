@@ -7,7 +7,9 @@ const most = 32; // numbers of a corner; what is carried has at most 3 + 4 + 4 +
 
 export class FaceReader {
   itemSizes = []; // by number in `carried`; 0: not carried
-  #corners = [new Float64Array(most), new Float64Array(most), new Float64Array(most)];
+  #a = new Float64Array(most);
+  #b = new Float64Array(most);
+  #c = new Float64Array(most);
   #points = new Float64Array(9); // of the corners, less the origin
   #unit = new Float64Array(3); // the face's normal, to its front
   // Where the triangle is seen from the axis to which it is turned most: which coordinates are left, the first corner, the two edges from it
@@ -28,10 +30,13 @@ export class FaceReader {
     for (let k = 0; k < this.itemSizes.length; ++k) {
       const size = this.itemSizes[k];
       if (size === 0) continue;
-      for (let c = 0; c < 3; ++c) this.#copy(k, size, source, source.corners[first + c], this.#corners[c], at);
-      if (k === normal) this.#turnNormals(instance, source.attributes[k] !== undefined, at);
-      else if (k === tangent) this.#turnTangents(instance.matrix, at);
-      else if (k === color && entry.tinted) this.#tint(entry, instance.tint, first / 3, size, at);
+      for (let c = 0; c < 3; ++c) {
+        const to = c === 0 ? this.#a : c === 1 ? this.#b : this.#c;
+        this.#copy(k, size, source.attributes[k], source.corners[first + c], to, at);
+        if (k === normal) this.#turnNormal(instance.normalMatrix, source.attributes[k] !== undefined, to, at);
+        else if (k === tangent) this.#turnTangent(instance.matrix, to, at);
+        else if (k === color && entry.tinted) this.#tint(entry, instance.tint, first / 3, size, to, at);
+      }
       at += size;
     }
     this.#size = at;
@@ -51,11 +56,11 @@ export class FaceReader {
       }
     }
     const a = 1 - b - c;
-    const [A, B, C] = this.#corners;
-    for (let i = 0; i < this.#size; ++i) out[at + i] = a * A[i] + b * B[i] + c * C[i];
+    const A = this.#a, B = this.#b, C = this.#c;
     const nx = a * A[0] + b * B[0] + c * C[0], ny = a * A[1] + b * B[1] + c * C[1], nz = a * A[2] + b * B[2] + c * C[2];
-    const length = Math.sqrt(nx * nx + ny * ny + nz * nz);
-    if (length > 0) out[at] = nx / length, out[at + 1] = ny / length, out[at + 2] = nz / length;
+    const length = Math.sqrt(nx * nx + ny * ny + nz * nz) || 1;
+    out[at] = nx / length, out[at + 1] = ny / length, out[at + 2] = nz / length; // the normal is the first
+    for (let i = 3; i < this.#size; ++i) out[at + i] = a * A[i] + b * B[i] + c * C[i];
   }
 
   #place(instance, source, first, origin) {
@@ -71,13 +76,11 @@ export class FaceReader {
     const bx = p[3] - p[0], by = p[4] - p[1], bz = p[5] - p[2], cx = p[6] - p[0], cy = p[7] - p[1], cz = p[8] - p[2];
     const nx = by * cz - bz * cy, ny = bz * cx - bx * cz, nz = bx * cy - by * cx;
     const ax = Math.abs(nx), ay = Math.abs(ny), az = Math.abs(nz);
-    const f = this.#frame;
     if (az >= ax && az >= ay) this.#project(0, 1, nz);
     else if (ay >= ax) this.#project(0, 2, -ny);
     else this.#project(1, 2, nx);
-    const length = (instance.mirrored ? -1 : 1) * Math.hypot(nx, ny, nz) || 1;
+    const length = (instance.mirrored ? -1 : 1) * Math.sqrt(nx * nx + ny * ny + nz * nz) || 1;
     this.#unit[0] = nx / length, this.#unit[1] = ny / length, this.#unit[2] = nz / length;
-    return f;
   }
   #project(u, v, doubledArea) {
     const p = this.#points, f = this.#frame;
@@ -88,36 +91,28 @@ export class FaceReader {
   }
 
   // What a mesh does not have: white, and zeros.
-  #copy(k, size, source, vertex, to, at) {
-    const attribute = source.attributes[k];
+  #copy(k, size, attribute, vertex, to, at) {
     const have = attribute ? attribute.itemSize : 0;
     for (let i = 0; i < size; ++i) to[at + i] = i < have ? attribute.numbers[have * vertex + i] : k === color ? 1 : 0;
   }
-  #turnNormals(instance, given, at) {
-    const m = instance.normalMatrix;
-    for (const to of this.#corners) {
-      const x = to[at], y = to[at + 1], z = to[at + 2];
-      const nx = m[0] * x + m[3] * y + m[6] * z, ny = m[1] * x + m[4] * y + m[7] * z, nz = m[2] * x + m[5] * y + m[8] * z;
-      const length = Math.sqrt(nx * nx + ny * ny + nz * nz);
-      const by = this.#isTriangle ? length : 1; // as three.js does; only what is not brought to length one is affine beyond the triangle
-      if (given && length > 0) to[at] = nx / by, to[at + 1] = ny / by, to[at + 2] = nz / by;
-      else to.set(this.#unit, at);
-    }
+  #turnNormal(m, given, to, at) {
+    const x = to[at], y = to[at + 1], z = to[at + 2];
+    const nx = m[0] * x + m[3] * y + m[6] * z, ny = m[1] * x + m[4] * y + m[7] * z, nz = m[2] * x + m[5] * y + m[8] * z;
+    const length = Math.sqrt(nx * nx + ny * ny + nz * nz);
+    const by = this.#isTriangle ? length : 1; // as three.js does; only what is not brought to length one is affine beyond the triangle
+    if (given && length > 0) to[at] = nx / by, to[at + 1] = ny / by, to[at + 2] = nz / by;
+    else to[at] = this.#unit[0], to[at + 1] = this.#unit[1], to[at + 2] = this.#unit[2];
   }
-  #turnTangents(m, at) {
-    for (const to of this.#corners) {
-      const x = to[at], y = to[at + 1], z = to[at + 2];
-      const tx = m[0] * x + m[4] * y + m[8] * z, ty = m[1] * x + m[5] * y + m[9] * z, tz = m[2] * x + m[6] * y + m[10] * z;
-      const length = Math.sqrt(tx * tx + ty * ty + tz * tz) || 1;
-      to[at] = tx / length, to[at + 1] = ty / length, to[at + 2] = tz / length;
-    }
+  #turnTangent(m, to, at) {
+    const x = to[at], y = to[at + 1], z = to[at + 2];
+    const tx = m[0] * x + m[4] * y + m[8] * z, ty = m[1] * x + m[5] * y + m[9] * z, tz = m[2] * x + m[6] * y + m[10] * z;
+    const length = Math.sqrt(tx * tx + ty * ty + tz * tz) || 1;
+    to[at] = tx / length, to[at + 1] = ty / length, to[at + 2] = tz / length;
   }
   // As three.js: an instance's colour counts always, vertex colours where the material says so.
-  #tint(entry, tint, triangle, size, at) {
-    const colored = entry.vertexColors[entry.source.groups?.[triangle] ?? 0];
-    for (const to of this.#corners) {
-      for (let i = 0; i < size; ++i) to[at + i] = (colored ? to[at + i] : 1) * (i < 3 && tint ? tint[i] : 1);
-    }
+  #tint(entry, tint, face, size, to, at) {
+    const colored = entry.vertexColors[entry.source.groups?.[face] ?? 0];
+    for (let i = 0; i < size; ++i) to[at + i] = (colored ? to[at + i] : 1) * (i < 3 && tint ? tint[i] : 1);
   }
 }
 const clamp = (x) => (x > 0 ? Math.min(x, 1) : 0);

@@ -92,7 +92,7 @@ export class FragmentGeometry {
   sync(buffers, allLights, anew) {
     this.uploadedBytes = 0;
     const { info } = buffers;
-    const vertexRanges = buffers.changedVertices, indexRanges = buffers.changedIndices; // before the streams, which they might end
+    const vertexRanges = buffers.changedVertexNumbers, indexRanges = buffers.changedIndexNumbers; // before the streams, which they might end
     this.#streams = {
       positions: buffers.stream('positions'),
       faces: buffers.stream('faces'),
@@ -173,10 +173,11 @@ export class FragmentGeometry {
     for (let t = count; t < this.#tripleCount; ++t) this.#takeOut(t);
     this.#tripleCount = count;
     let fits = true;
-    for (const { first, count: n } of indexRanges) {
-      for (let t = first / 3; t < (first + n) / 3; ++t) fits = this.#putRight(t) && fits;
-      this.#writeOutward(first / 3, (first + n) / 3);
-      if (this.#lineIndex) this.#writeLines(first / 3, (first + n) / 3);
+    for (let i = 0; i < indexRanges.length; i += 2) {
+      const first = indexRanges[i] / 3, end = first + indexRanges[i + 1] / 3;
+      for (let t = first; t < end; ++t) fits = this.#putRight(t) && fits;
+      this.#writeOutward(first, end);
+      if (this.#lineIndex) this.#writeLines(first, end);
     }
     if (this.#mirror.restyled.size > 0) fits = this.#restyle() && fits;
     if (!fits) return this.#layOutRegions();
@@ -186,14 +187,15 @@ export class FragmentGeometry {
   #followVertices(ranges) {
     let first = 0, end = -1;
     const gap = joinedVertexBytes / (4 * this.#stride);
-    for (const range of ranges) {
-      this.#writeVertices(range.first, range.first + range.count);
-      if (end >= 0 && range.first > end + gap) {
+    for (let i = 0; i < ranges.length; i += 2) {
+      const from = ranges[i], to = from + ranges[i + 1];
+      this.#writeVertices(from, to);
+      if (end >= 0 && from > end + gap) {
         this.#uploadVertices(first, end);
         end = -1;
       }
-      if (end < 0) first = range.first;
-      end = range.first + range.count;
+      if (end < 0) first = from;
+      end = to;
     }
     if (end >= 0) this.#uploadVertices(first, end);
   }
@@ -376,9 +378,9 @@ export class FragmentGeometry {
   // ---- Vertices
 
   #writeVertices(first, end) {
-    const { positions, faces, objects } = this.#streams;
+    const { positions, faces, objects, states } = this.#streams;
     const { instances } = this.#mirror;
-    const out = this.#vertices.array, stride = this.#stride, maskSize = this.#maskSize, reader = this.#reader;
+    const out = this.#vertices.array, stride = this.#stride, inherited = 6 + this.#maskSize, reader = this.#reader;
     let face = -1;
     for (let v = first; v < end; ++v) {
       if (faces[v] === none) continue; // a hole: nothing refers to it
@@ -389,8 +391,9 @@ export class FragmentGeometry {
       const at = v * stride;
       const x = positions[3 * v], y = positions[3 * v + 1], z = positions[3 * v + 2];
       out[at] = x, out[at + 1] = y, out[at + 2] = z;
-      this.#writeMask(v, at + 6);
-      reader.interpolate(x, y, z, out, at + 6 + maskSize);
+      if (states !== null) out[at + 6] = states[v];
+      else this.#writeMask(v, at + 6);
+      reader.interpolate(x, y, z, out, at + inherited);
     }
   }
   // Of whole fragments: what moves both edges at a corner outward by one, in the face's plane; no more than four at sharp corners.
@@ -431,12 +434,8 @@ export class FragmentGeometry {
     }
   }
   #writeMask(v, at) {
-    const { states, masks, maskWords } = this.#streams;
+    const { masks, maskWords } = this.#streams;
     const out = this.#vertices.array;
-    if (states) {
-      out[at] = states[v];
-      return;
-    }
     for (let k = 0; k < this.#maskSize; ++k) {
       const bit = k * bitsPerNumber, word = v * maskWords + (bit >> 5), shift = bit & 31;
       let value = masks[word] >>> shift;
