@@ -2,7 +2,7 @@
 //
 // A look goes over all objects of the three.js scene and compares numbers: matrices, versions, lights' parameters. It costs some tens of
 // nanoseconds an object, whatever its triangles; only what has changed is read, and handed on.
-import { Matrix3, Matrix4, Vector3 } from 'three';
+import { Box3, Matrix3, Matrix4, Vector3 } from 'three';
 import { mostLights } from './materials.js';
 import { Source } from './sources.js';
 
@@ -423,18 +423,14 @@ function descriptionOf(light, values) {
   return { kind: 'point', at, range, spot: { axis: values.slice(4, 7), halfAngle: light.angle }, name };
 }
 
-// The middle of all vertices' box in the world; null where there are none. Cost: all vertices.
+// The middle of a box around all vertices in the world; null where there are none. Cost: all vertices.
 export function middleOf(mirror) {
-  const low = new Vector3(Infinity, Infinity, Infinity), high = low.clone().negate(), p = new Vector3();
+  const all = new Box3(), box = new Box3();
   for (const { source, instances } of mirror.entries()) {
+    const local = source.box();
     for (const instance of instances) {
-      if (!instance.id) continue;
-      matrix.fromArray(instance.matrix);
-      for (let i = 0; i + 2 < source.points.length; i += 3) {
-        p.fromArray(source.points, i).applyMatrix4(matrix);
-        if (Number.isFinite(p.x + p.y + p.z)) low.min(p), high.max(p);
-      }
+      if (instance.id && !local.isEmpty()) all.union(box.copy(local).applyMatrix4(matrix.fromArray(instance.matrix)));
     }
   }
-  return low.x <= high.x ? low.add(high).multiplyScalar(0.5).toArray() : null;
+  return all.isEmpty() ? null : all.getCenter(from).toArray();
 }

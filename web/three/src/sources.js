@@ -1,6 +1,6 @@
 // What is read of a three.js geometry: its faces, as the engine takes them, and the attributes that fragments inherit, as plain arrays.
 // Read once for all meshes that share a geometry, and again when three.js' version numbers say that something has changed.
-import { Vector3, Vector4 } from 'three';
+import { Box3, Vector3, Vector4 } from 'three';
 import { joinTriangles } from './polygons.js';
 
 // The attributes carried over, by their numbers in the lists below, and how many numbers of each there may be.
@@ -72,6 +72,19 @@ export class Source {
     if (!this.corners) return; // nothing has been read as yet
     this.#readPositions();
     this.#readAttributes();
+  }
+
+  // Around the finite vertices, in the object's frame.
+  box() {
+    const { points } = this;
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let i = 0; i < points.length; ++i) {
+      const x = points[i], k = i % 3;
+      if (!Number.isFinite(x)) continue;
+      if (x < low[k]) low[k] = x;
+      if (x > high[k]) high[k] = x;
+    }
+    return new Box3(new Vector3(...low), new Vector3(...high));
   }
 
   #topologyChanged() {
