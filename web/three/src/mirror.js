@@ -275,7 +275,7 @@ export class Mirror {
       if (instance.id) this.#remove(instance);
       instance.matrix.set(elements); // not again until it changes
       const which = mesh.isInstancedMesh ? `instance ${instance.entry.instances.indexOf(instance)}: ` : '';
-      const singular = Number.isFinite(determinant) ? 'its matrix cannot be inverted' : 'its matrix has numbers that are not finite';
+      const singular = elements.every(Number.isFinite) ? 'its matrix cannot be inverted' : 'its matrix has numbers that are not finite';
       this.#report(mesh, which + singular);
       return;
     }

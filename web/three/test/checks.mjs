@@ -108,10 +108,14 @@ const keyOf = (points, mask) => `${points.join(' ')}|${mask}`;
 
 // The same from buffers of the engine that are filled anew: key -> [{ face, object }].
 function filledTriangles(shadowcut, shadows, light, origin) {
-  const all = light === 'all';
+  const all = light === 'all', sizeOfMask = shadows.mesh.geometry.attributes.shadowcutMask.itemSize;
+  const bitsOf = (list, size) => {
+    const bits = [...list].reduce((sum, word, k) => sum | (BigInt(word) << BigInt(32 * k)), 0n);
+    return Array.from({ length: size }, (_, k) => Number((bits >> BigInt(24 * k)) & 0xffffffn));
+  };
   const buffers = new shadowcut.Buffers(light, { origin, indexed: true, objects: true, masks: all });
   buffers.update(shadows.engine);
-  const { indexCount } = buffers.info;
+  const { indexCount, maskWords: words } = buffers.info;
   const indices = buffers.stream('indices').slice(0, indexCount), positions = buffers.stream('positions').slice();
   const faces = buffers.stream('faces').slice(), objects = buffers.stream('objects').slice();
   const states = buffers.stream('states').slice(), masks = all ? buffers.stream('masks').slice() : null;
@@ -126,7 +130,7 @@ function filledTriangles(shadowcut, shadows, light, origin) {
   };
   for (let i = 0; i < indexCount; i += 3) {
     const [a, b, c] = indices.subarray(i, i + 3);
-    const key = keyOf([a, b, c].flatMap((v) => [...positions.subarray(3 * v, 3 * v + 3)]), [all ? masks[a] & 0xffffff : states[a]]);
+    const key = keyOf([a, b, c].flatMap((v) => [...positions.subarray(3 * v, 3 * v + 3)]), all ? bitsOf(masks.subarray(words * a, words * (a + 1)), sizeOfMask) : [states[a]]);
     if (!found.has(key)) found.set(key, []);
     found.get(key).push({ face: faces[a], object: objects[a] });
     if (a !== fan[0]) close(), (fan = [a, b, c]);
