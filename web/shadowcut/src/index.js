@@ -171,7 +171,7 @@ class Scene extends Handle {
   }
   #edit(name, id, ...args) {
     const { module } = this;
-    module.within(() => module.call(`scene_${name}`, this.at, module.put('objectId', id), ...args));
+    module.within(() => module.call(`scene_${name}`, this.at, module.putId(id), ...args));
   }
 
   addLight(light) {
@@ -180,11 +180,11 @@ class Scene extends Handle {
   }
   removeLight(id) {
     const { module } = this;
-    module.within(() => module.call('scene_remove_light', this.at, module.put('lightId', id)));
+    module.within(() => module.call('scene_remove_light', this.at, module.putId(id)));
   }
   setLight(id, light) {
     const { module } = this;
-    module.within(() => module.call('scene_set_light', this.at, module.put('lightId', id), putLight(module, light)));
+    module.within(() => module.call('scene_set_light', this.at, module.putId(id), putLight(module, light)));
   }
   replaceLights(lights) {
     const { module } = this;
@@ -213,17 +213,17 @@ class Scene extends Handle {
   }
   object(id) {
     const { module } = this;
-    return module.within(() => module.struct('object', 'scene_object', this.at, module.put('objectId', id)));
+    return module.within(() => module.struct('object', 'scene_object', this.at, module.putId(id)));
   }
   light(id) {
     const { module } = this;
-    return lightOf(module.within(() => module.struct('light', 'scene_light', this.at, module.put('lightId', id))));
+    return lightOf(module.within(() => module.struct('light', 'scene_light', this.at, module.putId(id))));
   }
   given(id) {
     const { module } = this;
     return module.within(() => {
       const mesh = module.take(4), settings = module.begin('objectSettings');
-      module.call('scene_given', this.at, module.put('objectId', id), mesh, settings);
+      module.call('scene_given', this.at, module.putId(id), mesh, settings);
       const at = module.data.getUint32(mesh, true);
       try {
         return { mesh: readMesh(module, at), settings: module.read('objectSettings', settings) };

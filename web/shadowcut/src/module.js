@@ -109,9 +109,11 @@ export class Module {
   values(count, name, ...args) {
     return this.within(() => {
       const at = this.take(4 * count);
-      const places = Array.from({ length: count }, (_, k) => at + 4 * k);
-      this.call(name, ...args, ...places);
-      return places.map((place) => this.data.getUint32(place, true));
+      const out = [];
+      for (let k = 0; k < count; ++k) args.push(at + 4 * k);
+      this.call(name, ...args);
+      for (let k = 0; k < count; ++k) out.push(this.data.getUint32(at + 4 * k, true));
+      return out;
     });
   }
   value(name, ...args) {
@@ -159,6 +161,7 @@ export class Module {
     return out;
   }
   readMember(member, at, shape) {
+    if (shape.length === 1 && member.is === 'double') return Array.from(this.array(Float64Array, at, shape[0]));
     if (shape.length > 0) {
       const [count, ...rest] = shape;
       const step = member.size * rest.reduce((a, b) => a * b, 1);
@@ -192,6 +195,16 @@ export class Module {
       if (!member) throw new ShadowcutError('INVALID_ARGUMENT', `there is no ${name} in ${kind}`);
       if (value !== undefined) this.writeMember(member, at + member.offset, value);
     }
+    return at;
+  }
+  // The id of an object or a light: as put() would, without looking for names, because edits come every frame.
+  putId(id) {
+    if (typeof id?.index !== 'number') throw new ShadowcutError('INVALID_ARGUMENT', 'an argument is not an id');
+    const at = this.take(12);
+    const { data } = this;
+    data.setUint32(at, id.index, true);
+    data.setUint32(at + 4, id.generation, true);
+    data.setUint32(at + 8, id.scene, true);
     return at;
   }
   writeMember(member, at, value) {

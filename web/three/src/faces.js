@@ -3,32 +3,65 @@
 import { carried } from './sources.js';
 
 const [normal, , , color, tangent] = carried.keys();
-const most = 32; // numbers of a corner; what is carried has at most 3 + 4 + 4 + 4 + 4
+const kept = 256; // faces: an update brings many fragments of few
 
+// The faces read since begin(), as long as no other has taken their place.
 export class FaceReader {
-  itemSizes = []; // by number in `carried`; 0: not carried
-  #a = new Float64Array(most);
-  #b = new Float64Array(most);
-  #c = new Float64Array(most);
+  #frames = [];
+  #itemSizes = [];
+  #stamp = 0;
+
+  // By number in `carried`; 0: not carried.
+  set itemSizes(sizes) {
+    this.#itemSizes = sizes;
+    const total = sizes.reduce((a, b) => a + b, 0);
+    this.#frames = Array.from({ length: kept }, () => new Frame(total));
+  }
+  // Matrices, or what a face inherits, may have changed.
+  begin() {
+    ++this.#stamp;
+  }
+  read(instance, face, origin) {
+    const frame = this.#frames[face % kept];
+    if (frame.face !== face || frame.stamp !== this.#stamp) {
+      frame.read(instance, face, origin, this.#itemSizes);
+      frame.face = face;
+      frame.stamp = this.#stamp;
+    }
+    return frame;
+  }
+}
+
+class Frame {
+  face = -1;
+  stamp = -1;
+  #a;
+  #b;
+  #c;
   #points = new Float64Array(9); // of the corners, less the origin
   #unit = new Float64Array(3); // the face's normal, to its front
   // Where the triangle is seen from the axis to which it is turned most: which coordinates are left, the first corner, the two edges from it
   // over their cross product.
   #u = 0;
   #v = 1;
-  #frame = new Float64Array(6);
-  #size = 0;
+  #edges = new Float64Array(6);
   #isTriangle = true; // the face; otherwise it is more than the triangle
 
-  read(instance, face, origin) {
+  constructor(size) {
+    this.#a = new Float64Array(size);
+    this.#b = new Float64Array(size);
+    this.#c = new Float64Array(size);
+  }
+
+  read(instance, face, origin, itemSizes) {
     const { entry } = instance;
     const { source } = entry;
     const first = 3 * (face - instance.firstFace);
     this.#isTriangle = source.cornerCounts[face - instance.firstFace] === 3;
     this.#place(instance, source, first, origin);
     let at = 0;
-    for (let k = 0; k < this.itemSizes.length; ++k) {
-      const size = this.itemSizes[k];
+    for (let k = 0; k < itemSizes.length; ++k) {
+      const size = itemSizes[k];
       if (size === 0) continue;
       for (let c = 0; c < 3; ++c) {
         const to = c === 0 ? this.#a : c === 1 ? this.#b : this.#c;
@@ -39,12 +72,11 @@ export class FaceReader {
       }
       at += size;
     }
-    this.#size = at;
   }
 
   // At a point of the triangle, less the origin.
   interpolate(x, y, z, out, at) {
-    const f = this.#frame, u = this.#u, v = this.#v;
+    const f = this.#edges, u = this.#u, v = this.#v;
     const pu = (u === 0 ? x : y) - f[0], pv = (v === 2 ? z : y) - f[1];
     let b = pu * f[5] - pv * f[4], c = pv * f[2] - pu * f[3];
     if (this.#isTriangle) {
@@ -60,7 +92,7 @@ export class FaceReader {
     const nx = a * A[0] + b * B[0] + c * C[0], ny = a * A[1] + b * B[1] + c * C[1], nz = a * A[2] + b * B[2] + c * C[2];
     const length = Math.sqrt(nx * nx + ny * ny + nz * nz) || 1;
     out[at] = nx / length, out[at + 1] = ny / length, out[at + 2] = nz / length; // the normal is the first
-    for (let i = 3; i < this.#size; ++i) out[at + i] = a * A[i] + b * B[i] + c * C[i];
+    for (let i = 3; i < A.length; ++i) out[at + i] = a * A[i] + b * B[i] + c * C[i];
   }
 
   #place(instance, source, first, origin) {
@@ -83,7 +115,7 @@ export class FaceReader {
     this.#unit[0] = nx / length, this.#unit[1] = ny / length, this.#unit[2] = nz / length;
   }
   #project(u, v, doubledArea) {
-    const p = this.#points, f = this.#frame;
+    const p = this.#points, f = this.#edges;
     this.#u = u, this.#v = v;
     f[0] = p[u], f[1] = p[v];
     f[2] = (p[3 + u] - p[u]) / doubledArea, f[3] = (p[3 + v] - p[v]) / doubledArea;

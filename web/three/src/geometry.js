@@ -103,6 +103,7 @@ export class FragmentGeometry {
       maskWords: info.maskWords,
     };
     const layoutChanged = this.#layOut(allLights);
+    this.#reader.begin();
     if (anew || layoutChanged || info.grown || !this.#vertices) this.#fill(info);
     else this.#follow(vertexRanges, indexRanges, info);
     if (this.withLines !== (this.#lineIndex !== null)) this.#makeLines();
@@ -381,19 +382,19 @@ export class FragmentGeometry {
     const { positions, faces, objects, states } = this.#streams;
     const { instances } = this.#mirror;
     const out = this.#vertices.array, stride = this.#stride, inherited = 6 + this.#maskSize, reader = this.#reader;
-    let face = -1;
+    let face = -1, frame = null;
     for (let v = first; v < end; ++v) {
       if (faces[v] === none) continue; // a hole: nothing refers to it
       if (faces[v] !== face) {
         face = faces[v];
-        reader.read(instances[objects[v]], face, this.origin);
+        frame = reader.read(instances[objects[v]], face, this.origin);
       }
       const at = v * stride;
       const x = positions[3 * v], y = positions[3 * v + 1], z = positions[3 * v + 2];
       out[at] = x, out[at + 1] = y, out[at + 2] = z;
       if (states !== null) out[at + 6] = states[v];
       else this.#writeMask(v, at + 6);
-      reader.interpolate(x, y, z, out, at + inherited);
+      frame.interpolate(x, y, z, out, at + inherited);
     }
   }
   // Of whole fragments: what moves both edges at a corner outward by one, in the face's plane; no more than four at sharp corners.

@@ -14,6 +14,7 @@ const defaults = {
   moves: () => false,
   follows: () => true,
   layer: 31,
+  facetsPerCell: 32, // now and then a cell is built again: a quarter of the engine's own makes that moment a third as long
 };
 
 export class SceneShadows {
@@ -36,9 +37,9 @@ export class SceneShadows {
     this.#shadowcut = shadowcut;
     this.#root = scene;
     this.#options = { ...defaults, ...options };
-    const { kernel, form } = this.#options;
+    const { kernel, form, facetsPerCell } = this.#options;
     this.scene = new shadowcut.Scene();
-    this.engine = new shadowcut.Engine(this.scene, { kernel, form });
+    this.engine = new shadowcut.Engine(this.scene, { kernel, form, facetsPerCell });
     this.mesh = new Mesh();
     this.#mirror = new Mirror(this.scene, scene, this.#options, this.#palette, this.mesh);
     this.#geometry = new FragmentGeometry(this.#mirror, this.#palette);

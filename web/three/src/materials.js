@@ -31,11 +31,19 @@ const kindOf = (light) => {
   return light.isDirectionalLight ? 'DIR' : undefined;
 };
 
-// Larger by this share of half the picture's height: a tenth of a pixel in pictures of a thousand lines. What a rasteriser's fixed-point
-// coordinates leave out between neighbours is less.
-const growth = 2e-4;
+// Larger by this share of half the picture's height: 0.15 pixels in pictures of a thousand lines. What is left out between neighbours comes
+// of a rasteriser's fixed-point coordinates: 1/256 of a pixel in graphics cards, 1/16 in software. Faces seen at an angle grow more in the
+// world, up to twenty times, so that it is the same in the picture.
+const growth = 3e-4;
 const growing = /* glsl */ `#include <begin_vertex>
-\ttransformed += shadowcutOutward * ( ${growth} / projectionMatrix[ 1 ][ 1 ] * abs( ( projectionMatrix * modelViewMatrix * vec4( transformed, 1.0 ) ).w ) );
+\t{
+\t\tmat4 shadowcutToClip = projectionMatrix * modelViewMatrix;
+\t\tvec4 at = shadowcutToClip * vec4( transformed, 1.0 );
+\t\tvec3 outward = shadowcutOutward * ( ${growth} / projectionMatrix[ 1 ][ 1 ] * abs( at.w ) );
+\t\tvec4 moved = at + shadowcutToClip * vec4( outward, 0.0 );
+\t\tvec2 seen = ( moved.xy / moved.w - at.xy / at.w ) * vec2( projectionMatrix[ 1 ][ 1 ] / projectionMatrix[ 0 ][ 0 ], 1.0 );
+\t\ttransformed += outward / clamp( length( seen ) / ( ${growth} * max( length( shadowcutOutward ), 1e-6 ) ), 0.05, 1.0 );
+\t}
 `;
 const vertexDeclarations = /* glsl */ `
 attribute vec4 shadowcutMask;
