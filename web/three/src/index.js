@@ -119,6 +119,7 @@ export class SceneShadows {
     const start = performance.now();
     const done = { applied: 0, gone: 0, added: 0, engineMs: 0, ms: 0, uploadedBytes: 0, rebuilt: false };
     const mirror = this.#mirror, geometry = this.#geometry;
+    if (this.mesh.parent === null) this.#root.add(this.mesh); // the scene was cleared, perhaps
     this.#updateMatrices();
     mirror.look();
     geometry.uploadedBytes = 0;

@@ -21,9 +21,14 @@ class Instance {
 
 // One mesh.
 class Entry {
+  geometry = null;
+  grouped = false; // it has several materials
+  casts = false;
+  receives = false;
   instances = [];
   slots = []; // the palette's, by group
   materials = []; // by group, as they were when the slots were acquired
+  vertexColors = []; // of these, likewise
   tinted = false;
   layers = 0; // the mask that the mesh had before it was moved to the layer of its own; 0: it has not been moved
   source = null;
@@ -129,7 +134,7 @@ export class Mirror {
     if (!casts && !receives) return;
     if (mesh.isBatchedMesh) return this.#report(mesh, 'a BatchedMesh is not followed');
     let entry = this.#entries.get(mesh);
-    if (!entry) this.#entries.set(mesh, (entry = this.#meet(mesh)));
+    if (!entry) this.#entries.set(mesh, (entry = new Entry(mesh)));
     entry.stamp = this.#stamp;
     this.#chooseSource(entry);
     entry.source.check(this.#stamp);
@@ -140,23 +145,15 @@ export class Mirror {
     if (receives && entry.instances.some((instance) => instance.id)) this.#move(mesh, entry);
     else this.#giveBack(mesh, entry);
   }
-  #meet(mesh) {
-    const entry = new Entry(mesh);
-    if (mesh.isSkinnedMesh || mesh.morphTargetInfluences?.some((influence) => influence !== 0)) {
-      entry.source = new Source(mesh.geometry, Array.isArray(mesh.material), mesh);
-    }
-    return entry;
-  }
   // A posed mesh has a source of its own; others share their geometry's.
   #chooseSource(entry) {
-    const { geometry, material } = entry.mesh;
-    const grouped = Array.isArray(material);
+    const { mesh } = entry;
+    const { geometry } = mesh, grouped = Array.isArray(mesh.material);
     if (entry.geometry === geometry && entry.grouped === grouped) return;
-    const posed = entry.source !== null && entry.geometry === undefined; // as it was met
     entry.geometry = geometry;
     entry.grouped = grouped;
-    entry.topology = -1;
-    if (!posed) entry.source = this.#sourceOf(geometry, grouped);
+    const posed = mesh.isSkinnedMesh || mesh.morphTargetInfluences?.some((influence) => influence !== 0);
+    entry.source = posed ? new Source(geometry, grouped, mesh) : this.#sourceOf(geometry, grouped);
   }
   #sourceOf(geometry, grouped) {
     let pair = this.#sources.get(geometry);

@@ -42,6 +42,12 @@ test('a table in a room: areas to the last digit', () => {
   box.visible = false;
   assert.equal(shadows.update().applied, 1);
   near(shadows.litArea(), 64);
+  scene.clear();
+  scene.add(box);
+  box.visible = true;
+  shadows.update();
+  assert.ok(scene.children.includes(shadows.mesh), 'it is there again');
+  assert.deepEqual(shadows.lights.filter(Boolean), []);
   shadows.dispose();
 });
 
