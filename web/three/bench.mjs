@@ -27,13 +27,19 @@ const figures = (values) => {
   return `median ${at(sorted, 0.5).toFixed(3)}  p99 ${at(sorted, 0.99).toFixed(3)}  most ${at(sorted, 1).toFixed(3)}`;
 };
 
-for (const [name, lamps] of [["one lamp", [[5.3613, 3.7171, 2.43]]]]) {
+for (const [name, lamps] of [['one lamp', [[5.3613, 3.7171, 2.43]]]]) {
   const scene = room(lamps);
   const desk = scene.getObjectByName('desk.4');
   const shadows = new SceneShadows(shadowcut, scene, { moves: (mesh) => mesh === desk });
   const first = shadows.update();
-  console.log(`${name}: first update ${first.ms.toFixed(1)} ms (engine ${first.engineMs.toFixed(1)}), ${shadows.mesh.geometry.attributes.position.count} vertices, ${first.added} fragments`);
-  const ms = [], engineMs = [], bytes = [], ranges = [], added = [];
+  console.log(
+    `${name}: first update ${first.ms.toFixed(1)} ms (engine ${first.engineMs.toFixed(1)}), ${shadows.mesh.geometry.attributes.position.count} vertices, ${first.added} fragments`,
+  );
+  const ms = [],
+    engineMs = [],
+    bytes = [],
+    ranges = [],
+    added = [];
   const { data } = shadows.mesh.geometry.attributes.position;
   for (let i = 0; i < moves + 100; ++i) {
     desk.position.x = 0.3 * Math.sin(i / 100);
@@ -41,12 +47,14 @@ for (const [name, lamps] of [["one lamp", [[5.3613, 3.7171, 2.43]]]]) {
     const done = shadows.update();
     const uploads = [shadows.mesh.geometry.attributes.position.data, shadows.mesh.geometry.index];
     if (i >= 100) {
-      ms.push(done.ms), added.push(done.added), engineMs.push(done.engineMs), bytes.push(done.uploadedBytes / 1024);
+      (ms.push(done.ms), added.push(done.added), engineMs.push(done.engineMs), bytes.push(done.uploadedBytes / 1024));
       ranges.push(uploads.reduce((sum, { updateRanges }) => sum + updateRanges.length, 0));
     }
     for (const each of uploads) each.clearUpdateRanges();
   }
-  console.log(`  update ms    ${figures(ms)}\n  engine ms    ${figures(engineMs)}\n  kB uploaded  ${figures(bytes)}\n  added        ${figures(added)}\n  ranges       ${figures(ranges)}`);
+  console.log(
+    `  update ms    ${figures(ms)}\n  engine ms    ${figures(engineMs)}\n  kB uploaded  ${figures(bytes)}\n  added        ${figures(added)}\n  ranges       ${figures(ranges)}`,
+  );
   const still = [];
   for (let i = 0; i < 200; ++i) still.push(shadows.update().ms);
   console.log(`  nothing ms   ${figures(still)}`);

@@ -1,5 +1,6 @@
-// What fragments inherit: the numbers at the corners of a triangle of the face in which a fragment lies, in the world, and from them those at
-// any point of the face. Affine maps keep barycentric coordinates, so the triangle is brought to the world, once for all corners of fragments.
+// What fragments inherit: the numbers at the corners of a triangle of the face in which a fragment lies, in the world, and from them those
+// at any point of the face. Affine maps keep barycentric coordinates, so the triangle is brought to the world, once for all corners of
+// fragments.
 import { carried } from './sources.js';
 
 const [normal, , , color, tangent] = carried.keys();
@@ -40,8 +41,8 @@ class Frame {
   #c;
   #points = new Float64Array(9); // of the corners, less the origin
   #unit = new Float64Array(3); // the face's normal, to its front
-  // Where the triangle is seen from the axis to which it is turned most: which coordinates are left, the first corner, the two edges from it
-  // over their cross product.
+  // Where the triangle is seen from the axis to which it is turned most: which coordinates are left, the first corner, the two edges from
+  // it over their cross product.
   #u = 0;
   #v = 1;
   #edges = new Float64Array(6);

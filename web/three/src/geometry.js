@@ -1,10 +1,10 @@
 // From the engine to three.js: one geometry of lit and shadowed triangles, kept in step with the engine's buffers.
 //
-// Vertices. Those of shadowcut.Buffers, one for each corner of a fragment, at the same places; all that a vertex has lies in one interleaved
-// array, so that a range of vertices is one upload. A fragment lies in one face of the engine, which is one triangle of a mesh: what that
-// triangle's corners have is interpolated to the fragment's.
-// Triangles. The buffers' too, but sorted by material: each material has a region of the index, with room to spare; a triangle that comes is
-// put at the region's end, and where one goes, the region's last takes its place. So what has to be uploaded is in proportion to what has
+// Vertices. Those of shadowcut.Buffers, one for each corner of a fragment, at the same places; all that a vertex has lies in one
+// interleaved array, so that a range of vertices is one upload. A fragment lies in one face of the engine, which is one
+// polygon of a mesh: what that polygon's corners have is interpolated to the fragment's.
+// Triangles. The buffers' too, but sorted by material: each material has a region of the index, with room to spare; a triangle that comes
+// is put at the region's end, and where one goes, the region's last takes its place. So what has to be uploaded is in proportion to what has
 // changed. Regions that overflow are laid out anew, all of them, with half as much room again.
 // Cracks. Where a corner of one fragment lies on the edge of another, a rasteriser leaves pixels out between the two. So each vertex says
 // where "outward" is, and the shaders (materials.js) draw fragments larger than they are by a small share of a pixel.
@@ -87,12 +87,13 @@ export class FragmentGeometry {
   get wantsSync() {
     return this.#mirror.restyled.size > 0 || this.withLines !== (this.#lineIndex !== null);
   }
-  // After buffers.update(). One light: bit 0 of a mask; all lights: the bits are the lights' indices. Everything anew: where the buffers are
-  // others than the last time, or something failed.
+  // After buffers.update(). One light: bit 0 of a mask; all lights: the bits are the lights' indices. Everything anew: where the buffers
+  // are others than the last time, or something failed.
   sync(buffers, allLights, anew) {
     this.uploadedBytes = 0;
     const { info } = buffers;
-    const vertexRanges = buffers.changedVertexNumbers, indexRanges = buffers.changedIndexNumbers; // before the streams, which they might end
+    // Before the streams, which these calls might end.
+    const vertexRanges = buffers.changedVertexNumbers, indexRanges = buffers.changedIndexNumbers;
     this.#streams = {
       positions: buffers.stream('positions'),
       faces: buffers.stream('faces'),

@@ -13,9 +13,9 @@ export interface SceneShadowsOptions {
   receives?: (mesh: Mesh) => boolean;
   /** Is expected to move: cheaper then. Asked when the mesh is met. Otherwise none is. */
   moves?: (mesh: Mesh) => boolean;
-  /** Has shadows: of point, spot and directional lights; otherwise all. A light that is not followed lights as if nothing stood before it. */
+  /** Has shadows: of point, spot and directional lights; otherwise all. Others light as if nothing stood before them. */
   follows?: (light: Light) => boolean;
-  /** Where received meshes go while they are drawn by SceneShadows.mesh: cameras do not see it, raycasters that enable it do. Otherwise 31. */
+  /** Where received meshes go while SceneShadows.mesh draws them: cameras do not see it, raycasters may enable it. Otherwise 31. */
   layer?: number;
 }
 
@@ -53,8 +53,8 @@ export class SceneShadows {
   /** Takes a skinned or morphed mesh's present pose, from the next update on. It was taken when the mesh was met, too. */
   bake(mesh: Mesh): void;
 
-  /** All that is received, in one geometry: groups by material, attributes position, normal, shadowcutMask, and what any mesh has of uv, uv1,
-   *  color, tangent. Bit k % 24 of shadowcutMask's number k / 24: the light of that index reaches (of one light only, bit 0). */
+  /** All that is received, in one geometry: groups by material, attributes position, normal, shadowcutMask, and what any mesh has of uv,
+   *  uv1, color, tangent. Bit k % 24 of shadowcutMask's number k / 24: the light of that index reaches (of one light only, bit 0). */
   readonly mesh: Mesh;
   /** Draws the outlines of fragments. From the next update on. */
   outlines: boolean;

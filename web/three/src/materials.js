@@ -1,8 +1,8 @@
 // Shading by masks: for every material of the scene one that lights a fragment only by the lights that reach it.
 //
-// A shaded material has its original as its prototype: colours, maps, everything is read from the original at the moment when three.js asks,
-// so there is nothing to copy and nothing to keep in step; and the original itself, which may be used elsewhere, stays as it is. Own are only
-// the identity (three.js keeps programs by it), the listeners, the shader's patch, and what three.js itself writes while it draws.
+// A shaded material has its original as its prototype: colours, maps, everything is read from the original at the moment when three.js
+// asks, so there is nothing to copy and nothing to keep in step; and the original itself, which may be used elsewhere, stays as it is. Own
+// are only the identity (three.js keeps programs by it), the listeners, the shader's patch, and what three.js itself writes while it draws.
 //
 // Materials that take no light are drawn without cracks, and otherwise are as they are; raw shaders are left alone.
 import { Material, ShaderChunk } from 'three';
@@ -101,8 +101,8 @@ function patch(shader, uniforms) {
     .replace('void main() {', `${fragmentDeclarations}${isShadow ? shadowMask : ''}\nvoid main() {`);
 }
 
-// Properties that three.js writes while it draws (it draws transparent double-sided materials one side after the other), and else reads from
-// the original: what was written counts until it equals the original's.
+// Properties that three.js writes while it draws (it draws transparent double-sided materials one side after the other), and else reads
+// from the original: what was written counts until it equals the original's.
 function follow(shaded, original, name) {
   let written;
   Object.defineProperty(shaded, name, {
@@ -131,7 +131,8 @@ function shade(original, uniforms, tinted) {
   follow(shaded, original, 'side');
   followVersion(shaded, original);
   if (tinted) shaded.vertexColors = true;
-  if (original.isShaderMaterial) shaded.uniforms = Object.create(original.uniforms); // three.js takes these as they are: ours are not to be left in them
+  // three.js takes a ShaderMaterial's uniforms as they are, and ours are not to be left in them.
+  if (original.isShaderMaterial) shaded.uniforms = Object.create(original.uniforms);
   shaded.onBeforeCompile = (shader, renderer) => {
     original.onBeforeCompile(shader, renderer);
     patch(shader, takesLight(original) ? uniforms : null);

@@ -109,9 +109,6 @@ export class Mirror {
   objectOf(mesh, instance) {
     return this.#entries.get(mesh)?.instances[instance]?.id?.index;
   }
-  get lightCount() {
-    return this.#lights.size;
-  }
   entries() {
     return this.#entries.values();
   }
@@ -150,8 +147,10 @@ export class Mirror {
     const { mesh } = entry;
     const { geometry } = mesh, grouped = Array.isArray(mesh.material);
     if (entry.geometry === geometry && entry.grouped === grouped) return;
+    const { geometry: old } = entry;
     entry.geometry = geometry;
     entry.grouped = grouped;
+    this.#dropSource(old);
     const posed = mesh.isSkinnedMesh || mesh.morphTargetInfluences?.some((influence) => influence !== 0);
     entry.source = posed ? new Source(geometry, grouped, mesh) : this.#sourceOf(geometry, grouped);
   }
@@ -320,8 +319,13 @@ export class Mirror {
     this.#giveBack(mesh, entry);
     this.#entries.delete(mesh);
     this.restyled.delete(entry);
-    for (const other of this.#entries.values()) if (other.geometry === entry.geometry) return;
-    this.#sources.delete(entry.geometry);
+    this.#dropSource(entry.geometry);
+  }
+  // Unless somebody uses it.
+  #dropSource(geometry) {
+    if (!this.#sources.has(geometry)) return;
+    for (const other of this.#entries.values()) if (other.geometry === geometry) return;
+    this.#sources.delete(geometry);
   }
 
   // ---- Lights
@@ -349,7 +353,9 @@ export class Mirror {
     now.values = values.slice();
     now.stamp = this.#stamp;
     this.followed[now.id.index] = light;
-    if (now.id.index >= mostLights) this.#report(light, `only ${mostLights} lights have a bit in the masks: this one shades as if unshadowed`);
+    if (now.id.index >= mostLights) {
+      this.#report(light, `only ${mostLights} lights have a bit in the masks: this one shades as if unshadowed`);
+    }
     this.edited = true;
   }
   #valuesOf(light) {

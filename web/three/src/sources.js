@@ -24,7 +24,8 @@ function numbersOf(attribute, itemSize = attribute.itemSize) {
 let revisions = 0; // no two sources have one in common
 
 export class Source {
-  // Revisions: topology (which triangles there are), positions, style (what fragments inherit). Users compare them with what they have seen.
+  // Revisions: topology (which triangles there are), positions, style (what fragments inherit). Users compare them with what they have
+  // seen.
   topology = 0;
   positions = 0;
   style = 0;

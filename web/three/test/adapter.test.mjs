@@ -29,7 +29,8 @@ function follow(scene, options) {
   shadows.update();
   return shadows;
 }
-const near = (got, expected, tolerance = 1e-9) => assert.ok(Math.abs(got - expected) <= tolerance * Math.abs(expected), `${got}, not ${expected}`);
+const near = (got, expected, tolerance = 1e-9) =>
+  assert.ok(Math.abs(got - expected) <= tolerance * Math.abs(expected), `${got}, not ${expected}`);
 
 test('a table in a room: areas to the last digit', () => {
   const { scene, box } = room();
@@ -54,7 +55,8 @@ test('a table in a room: areas to the last digit', () => {
 test('what is given back', () => {
   const { scene, floor, box, lamp } = room();
   floor.layers.set(3);
-  const before = scene.children.slice(), { material } = box;
+  const before = scene.children.slice(),
+    { material } = box;
   const shadows = follow(scene);
   assert.equal(floor.layers.mask, 1 << 31);
   assert.equal(box.layers.mask, 1 << 31);
@@ -176,7 +178,8 @@ test('poses are taken on request', () => {
   const scene = new THREE.Scene();
   const geometry = new THREE.CylinderGeometry(0.3, 0.3, 2, 8, 4);
   const { position } = geometry.attributes;
-  const indices = [], weights = [];
+  const indices = [],
+    weights = [];
   for (let i = 0; i < position.count; ++i) {
     const t = (position.getY(i) + 1) / 2;
     indices.push(0, 1, 0, 0);
@@ -204,7 +207,8 @@ test('poses are taken on request', () => {
   assert.notEqual(shadows.facingArea(), before);
   // As three.js has it, vertex for vertex; and its shader's normals.
   const posed = geometry.clone();
-  const p = new THREE.Vector3(), n = new THREE.Vector4();
+  const p = new THREE.Vector3(),
+    n = new THREE.Vector4();
   for (let i = 0; i < position.count; ++i) {
     mesh.getVertexPosition(i, p);
     posed.attributes.position.setXYZ(i, p.x, p.y, p.z);
@@ -220,7 +224,12 @@ test('poses are taken on request', () => {
 test('morphs, on request', () => {
   const { scene, box } = room();
   const { position } = box.geometry.attributes;
-  box.geometry.morphAttributes.position = [new THREE.Float32BufferAttribute(Float32Array.from(position.array, (x) => 2 * x), 3)];
+  box.geometry.morphAttributes.position = [
+    new THREE.Float32BufferAttribute(
+      Float32Array.from(position.array, (x) => 2 * x),
+      3,
+    ),
+  ];
   box.updateMorphTargets();
   const shadows = follow(scene, { kernel: 'exact' });
   near(shadows.litArea(), 64 - 1.6 * 1.6 + 1);
@@ -272,7 +281,9 @@ test('a material follows its original, which stays as it is', () => {
   original.customProgramCacheKey = () => 'mine';
   const own = Object.keys(original).sort();
   const shadows = follow(scene);
-  const slot = shadows.mesh.geometry.groups.map(({ materialIndex }) => shadows.mesh.material[materialIndex]).find((m) => m.isMeshLambertMaterial);
+  const slot = shadows.mesh.geometry.groups
+    .map(({ materialIndex }) => shadows.mesh.material[materialIndex])
+    .find((m) => m.isMeshLambertMaterial);
   assert.notEqual(slot, original);
   assert.ok(slot.id !== original.id && slot.uuid !== original.uuid);
   assert.equal(slot.color, original.color);
@@ -306,7 +317,12 @@ test('a material follows its original, which stays as it is', () => {
   assert.equal(disposed, 0);
   shadows.dispose();
   assert.equal(disposed, 1);
-  assert.deepEqual(Object.keys(original).filter((name) => name !== '_listeners').sort(), own);
+  assert.deepEqual(
+    Object.keys(original)
+      .filter((name) => name !== '_listeners')
+      .sort(),
+    own,
+  );
 });
 
 test("bits go to lights in three.js' order", () => {

@@ -23,7 +23,7 @@ export class Uploads {
       this.#versions.set(attribute, attribute.version);
       assert.deepEqual(this.#copies.get(attribute), array, 'what was uploaded is not what there is');
     }
-    for (const old of this.#copies.keys()) if (!all.includes(old)) this.#copies.delete(old), this.#versions.delete(old);
+    for (const old of this.#copies.keys()) if (!all.includes(old)) (this.#copies.delete(old), this.#versions.delete(old));
   }
 }
 
@@ -37,9 +37,13 @@ function worldTriangles(shadows, meshes) {
     const last = Math.min(all, drawRange.start + drawRange.count);
     const list = [];
     for (const group of Array.isArray(material) ? groups : [{ start: 0, count: all, materialIndex: 0 }]) {
-      const from = Math.max(group.start, drawRange.start), to = Math.min(last, group.start + group.count);
+      const from = Math.max(group.start, drawRange.start),
+        to = Math.min(last, group.start + group.count);
       for (let i = from; i + 2 < to; i += 3) {
-        list.push({ corners: [0, 1, 2].map((k) => (index ? index.getX(i + k) : i + k)), material: Array.isArray(material) ? material[group.materialIndex] : material });
+        list.push({
+          corners: [0, 1, 2].map((k) => (index ? index.getX(i + k) : i + k)),
+          material: Array.isArray(material) ? material[group.materialIndex] : material,
+        });
       }
     }
     for (let instance = 0; instance < (mesh.isInstancedMesh ? mesh.count : 1); ++instance) {
@@ -81,12 +85,19 @@ function drawnTriangles(shadows) {
 // The triangles of the mesh in which the middle of these points lies, in their planes and inside: one, unless some overlap.
 function sourcesOf(points, triangles, origin) {
   const [a, b, c] = [0, 3, 6].map((k) => new THREE.Vector3(...points.slice(k, k + 3)).add(new THREE.Vector3(...origin)));
-  const middle = a.clone().add(b).add(c).divideScalar(3), turned = new THREE.Triangle(a, b, c).getNormal(new THREE.Vector3());
+  const middle = a.clone().add(b).add(c).divideScalar(3),
+    turned = new THREE.Triangle(a, b, c).getNormal(new THREE.Vector3());
   const distances = triangles.map((triangle) => {
-    const n = triangle.normal, [p] = triangle.points;
+    const n = triangle.normal,
+      [p] = triangle.points;
     const off = Math.abs(n.x * (middle.x - p.x) + n.y * (middle.y - p.y) + n.z * (middle.z - p.z));
     if (n.lengthSq() === 0 || off > 0.01) return Infinity;
-    const outside = Math.max(0, ...barycentric(middle, triangle.points).toArray().map((w) => -w));
+    const outside = Math.max(
+      0,
+      ...barycentric(middle, triangle.points)
+        .toArray()
+        .map((w) => -w),
+    );
     return outside + 100 * off + (n.dot(turned) * triangle.flip < 0 ? 0.01 : 0); // of two faces, back to back, the right one
   });
   const least = Math.min(...distances);
@@ -108,7 +119,8 @@ const keyOf = (points, mask) => `${points.join(' ')}|${mask}`;
 
 // The same from buffers of the engine that are filled anew: key -> [{ face, object }].
 function filledTriangles(shadowcut, shadows, light, origin) {
-  const all = light === 'all', sizeOfMask = shadows.mesh.geometry.attributes.shadowcutMask.itemSize;
+  const all = light === 'all',
+    sizeOfMask = shadows.mesh.geometry.attributes.shadowcutMask.itemSize;
   const bitsOf = (list, size) => {
     const bits = [...list].reduce((sum, word, k) => sum | (BigInt(word) << BigInt(32 * k)), 0n);
     return Array.from({ length: size }, (_, k) => Number((bits >> BigInt(24 * k)) & 0xffffffn));
@@ -116,11 +128,15 @@ function filledTriangles(shadowcut, shadows, light, origin) {
   const buffers = new shadowcut.Buffers(light, { origin, indexed: true, objects: true, masks: all });
   buffers.update(shadows.engine);
   const { indexCount, maskWords: words } = buffers.info;
-  const indices = buffers.stream('indices').slice(0, indexCount), positions = buffers.stream('positions').slice();
-  const faces = buffers.stream('faces').slice(), objects = buffers.stream('objects').slice();
-  const states = buffers.stream('states').slice(), masks = all ? buffers.stream('masks').slice() : null;
+  const indices = buffers.stream('indices').slice(0, indexCount),
+    positions = buffers.stream('positions').slice();
+  const faces = buffers.stream('faces').slice(),
+    objects = buffers.stream('objects').slice();
+  const states = buffers.stream('states').slice(),
+    masks = all ? buffers.stream('masks').slice() : null;
   buffers.dispose();
-  const found = new Map(), lines = new Map();
+  const found = new Map(),
+    lines = new Map();
   let fan = [];
   const close = () => {
     fan.forEach((v, i) => {
@@ -130,10 +146,13 @@ function filledTriangles(shadowcut, shadows, light, origin) {
   };
   for (let i = 0; i < indexCount; i += 3) {
     const [a, b, c] = indices.subarray(i, i + 3);
-    const key = keyOf([a, b, c].flatMap((v) => [...positions.subarray(3 * v, 3 * v + 3)]), all ? bitsOf(masks.subarray(words * a, words * (a + 1)), sizeOfMask) : [states[a]]);
+    const key = keyOf(
+      [a, b, c].flatMap((v) => [...positions.subarray(3 * v, 3 * v + 3)]),
+      all ? bitsOf(masks.subarray(words * a, words * (a + 1)), sizeOfMask) : [states[a]],
+    );
     if (!found.has(key)) found.set(key, []);
     found.get(key).push({ face: faces[a], object: objects[a] });
-    if (a !== fan[0]) close(), (fan = [a, b, c]);
+    if (a !== fan[0]) (close(), (fan = [a, b, c]));
     else fan.push(c);
   }
   close();
@@ -153,7 +172,8 @@ function checkTriangles(shadowcut, shadows, meshes, light, origin, followed, sam
   const { found, lines } = filledTriangles(shadowcut, shadows, light, origin);
   const world = worldTriangles(shadows, meshes);
   let count = 0; // without those of a group for which there is no material
-  const complete = (mesh) => !Array.isArray(mesh.material) || mesh.geometry.groups.every(({ materialIndex }) => mesh.material[materialIndex]);
+  const complete = (mesh) =>
+    !Array.isArray(mesh.material) || mesh.geometry.groups.every(({ materialIndex }) => mesh.material[materialIndex]);
   for (const [key, list] of found) {
     for (const { object } of list) {
       const triangles = world.get(object);
@@ -161,7 +181,10 @@ function checkTriangles(shadowcut, shadows, meshes, light, origin, followed, sam
     }
   }
   assert.equal(drawn.length, count, 'as many triangles as the engine has');
-  const casters = [...world.values()].flat().filter(({ mesh }) => mesh.castShadow).map(({ points }) => points);
+  const casters = [...world.values()]
+    .flat()
+    .filter(({ mesh }) => mesh.castShadow)
+    .map(({ points }) => points);
   for (const triangle of drawn) {
     const list = found.get(keyOf(triangle.points, triangle.mask));
     assert.ok(list?.length > 0, 'a triangle that the engine does not have');
@@ -199,16 +222,18 @@ function checkAttributes(geometry, { vertices }, source, origin) {
   for (const v of vertices) {
     const p = new THREE.Vector3().fromBufferAttribute(geometry.attributes.position, v).add(new THREE.Vector3(...origin));
     const weights = barycentric(p, points).toArray();
-        const mix = (values) => values.reduce((sum, value, k) => sum + weights[k] * value, 0);
+    const mix = (values) => values.reduce((sum, value, k) => sum + weights[k] * value, 0);
     for (const name of ['uv', 'uv1', 'color']) {
-      const attribute = attributes[name], got = geometry.attributes[name];
+      const attribute = attributes[name],
+        got = geometry.attributes[name];
       if (!got) {
         assert.ok(!attribute);
         continue;
       }
       const tinted = name === 'color' && mesh.instanceColor;
       for (let k = 0; k < got.itemSize; ++k) {
-        let expected = attribute && k < attribute.itemSize ? mix(corners.map((c) => attribute.getComponent(c, k))) : name === 'color' ? 1 : 0;
+        let expected =
+          attribute && k < attribute.itemSize ? mix(corners.map((c) => attribute.getComponent(c, k))) : name === 'color' ? 1 : 0;
         if (tinted) {
           if (!source.material.vertexColors) expected = 1;
           if (k < 3) expected *= mesh.instanceColor.getComponent(source.instance, k);
@@ -219,7 +244,8 @@ function checkAttributes(geometry, { vertices }, source, origin) {
     const normal = new THREE.Vector3().fromBufferAttribute(geometry.attributes.normal, v);
     const expected = [];
     if (attributes.normal) {
-      for (const unit of [true, false]) { // at the corners, as three.js does; or, where triangles were joined, only in the end
+      for (const unit of [true, false]) {
+        // at the corners, as three.js does; or, where triangles were joined, only in the end
         const sum = new THREE.Vector3();
         corners.forEach((c, k) => {
           const n = new THREE.Vector3().fromBufferAttribute(attributes.normal, c).applyMatrix3(source.normalMatrix);
@@ -238,7 +264,8 @@ function checkAttributes(geometry, { vertices }, source, origin) {
 // As three.js would draw it: the front is where the source triangle's corners run counter-clockwise, in the object's frame.
 function checkWinding({ points }, source) {
   const [a, b, c] = [0, 3, 6].map((k) => new THREE.Vector3(...points.slice(k, k + 3)));
-  const turned = new THREE.Triangle(a, b, c), whole = new THREE.Triangle(...source.points);
+  const turned = new THREE.Triangle(a, b, c),
+    whole = new THREE.Triangle(...source.points);
   const size = Math.max(a.distanceTo(b), b.distanceTo(c), c.distanceTo(a));
   if (turned.getArea() <= 1e-4 * size) return; // what floats make of a needle has any direction
   const cosine = turned.getNormal(new THREE.Vector3()).dot(whole.getNormal(new THREE.Vector3())) * source.flip;
@@ -247,14 +274,19 @@ function checkWinding({ points }, source) {
 
 // 1: hit, 0: missed, -1: too close to call.
 function hits(from, direction, distance, [a, b, c]) {
-  const e1 = b.clone().sub(a), e2 = c.clone().sub(a);
-  const p = direction.clone().cross(e2), det = e1.dot(p);
+  const e1 = b.clone().sub(a),
+    e2 = c.clone().sub(a);
+  const p = direction.clone().cross(e2),
+    det = e1.dot(p);
   const t0 = from.clone().sub(a);
   if (Math.abs(det) < 1e-3 * e1.length() * e2.length()) {
     const n = e1.clone().cross(e2).normalize();
     return Math.abs(n.dot(t0)) > 0.05 && Math.abs(n.dot(direction)) < 1e-9 ? 0 : -1;
   }
-  const u = t0.dot(p) / det, q = t0.clone().cross(e1), v = direction.dot(q) / det, t = e2.dot(q) / det;
+  const u = t0.dot(p) / det,
+    q = t0.clone().cross(e1),
+    v = direction.dot(q) / det,
+    t = e2.dot(q) / det;
   const margin = 0.02;
   const inside = Math.min(u, v, 1 - u - v);
   if (inside < -margin || t < -margin || t > distance + margin) return 0;
@@ -263,7 +295,9 @@ function hits(from, direction, distance, [a, b, c]) {
 function isOutOfReach(light, direction, distance) {
   if (light.distance > 0 && distance > 0.99 * light.distance) return true;
   if (!light.isSpotLight) return false;
-  const axis = new THREE.Vector3().setFromMatrixPosition(light.target.matrixWorld).sub(new THREE.Vector3().setFromMatrixPosition(light.matrixWorld));
+  const axis = new THREE.Vector3()
+    .setFromMatrixPosition(light.target.matrixWorld)
+    .sub(new THREE.Vector3().setFromMatrixPosition(light.matrixWorld));
   return axis.angleTo(direction.clone().negate()) > 0.99 * light.angle;
 }
 function checkRays({ points, mask }, source, closed, casters, followed, origin, only) {
@@ -272,13 +306,16 @@ function checkRays({ points, mask }, source, closed, casters, followed, origin, 
   centre.divideScalar(3).add(new THREE.Vector3(...origin));
   for (const { light, index } of followed) {
     const at = new THREE.Vector3().setFromMatrixPosition(light.matrixWorld);
-    let direction = at.clone().sub(centre), distance = direction.length();
-    if (light.isDirectionalLight) (direction = at.clone().sub(new THREE.Vector3().setFromMatrixPosition(light.target.matrixWorld))), (distance = 1e3);
+    let direction = at.clone().sub(centre),
+      distance = direction.length();
+    if (light.isDirectionalLight)
+      ((direction = at.clone().sub(new THREE.Vector3().setFromMatrixPosition(light.target.matrixWorld))), (distance = 1e3));
     direction.normalize();
     if (isOutOfReach(light, direction, distance)) continue; // there is nothing to be in shadow of
     const bit = only === 'all' ? index : 0;
-    const lit = ((mask[Math.floor(bit / 24)] >> bit % 24) & 1) === 1;
-    let doubtful = false, shadowed = false;
+    const lit = ((mask[Math.floor(bit / 24)] >> (bit % 24)) & 1) === 1;
+    let doubtful = false,
+      shadowed = false;
     for (const caster of casters) {
       if (caster.every((p, k) => p.equals(source.points[k]))) continue;
       const h = hits(centre, direction, distance, caster);
@@ -299,7 +336,8 @@ function checkLines(shadows, expected) {
   const { position } = geometry.attributes;
   const lines = new Map();
   for (let i = 0; i < geometry.drawRange.count; i += 2) {
-    const a = geometry.index.getX(i), b = geometry.index.getX(i + 1);
+    const a = geometry.index.getX(i),
+      b = geometry.index.getX(i + 1);
     if (a === b) continue;
     const key = [a, b].map((v) => [position.getX(v), position.getY(v), position.getZ(v)].join(' ')).join(' - ');
     lines.set(key, (lines.get(key) ?? 0) + 1);
@@ -327,7 +365,8 @@ export function areas(shadows, meshes) {
       for (let k = 0; k < (mesh.isInstancedMesh ? mesh.count : 1); ++k) {
         const object = shadows.objectOf(mesh, k);
         if (object === undefined) continue;
-        let lit = 0, shadowed = 0;
+        let lit = 0,
+          shadowed = 0;
         list.forEach((area, f) => faces[f].object === object && ((lit += area.lit), (shadowed += area.shadowed)));
         out[`${m} ${k} ${light.uuid}`] = [lit, shadowed];
       }

@@ -46,12 +46,16 @@ function compareWithFresh(made, shadows) {
   const fresh = new SceneShadows(shadowcut, made.scene);
   try {
     fresh.update();
-    const expected = areas(fresh, made.meshes), got = areas(shadows, made.meshes);
+    const expected = areas(fresh, made.meshes),
+      got = areas(shadows, made.meshes);
     assert.deepEqual(Object.keys(got).sort(), Object.keys(expected).sort());
     for (const [key, values] of Object.entries(expected)) {
-      values.forEach((value, k) => assert.ok(Math.abs(value - got[key][k]) < 1e-7 * (1 + value), `area of ${key}: ${got[key][k]}, not ${value}`));
+      values.forEach((value, k) =>
+        assert.ok(Math.abs(value - got[key][k]) < 1e-7 * (1 + value), `area of ${key}: ${got[key][k]}, not ${value}`),
+      );
     }
-    const drawn = drawnArea(shadows), area = drawnArea(fresh);
+    const drawn = drawnArea(shadows),
+      area = drawnArea(fresh);
     assert.ok(Math.abs(drawn - area) <= 1e-4 * area, `drawn: ${drawn}, not ${area}`);
   } finally {
     fresh.dispose();

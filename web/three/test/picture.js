@@ -3,7 +3,8 @@ import * as THREE from 'three';
 import { load } from 'shadowcut';
 import { SceneShadows } from 'shadowcut-three';
 
-const width = 800, height = 500;
+const width = 800,
+  height = 500;
 
 function makeScene() {
   const scene = new THREE.Scene();
@@ -20,8 +21,18 @@ function makeScene() {
   add(new THREE.BoxGeometry(1, 2, 1), new THREE.MeshLambertMaterial({ color: 0xd0e0ff }), [-1.5, 1, 0], (mesh) => (mesh.rotation.y = 0.4));
   add(new THREE.IcosahedronGeometry(0.7, 0), new THREE.MeshStandardMaterial({ color: 0xffe0c0, flatShading: true }), [1.5, 1.4, 0.5]);
   add(new THREE.BoxGeometry(1.2, 0.6, 0.8), new THREE.MeshPhongMaterial({ color: 0xc0ffc0 }), [0.2, 0.3, 2], (mesh) => (mesh.scale.x = -1));
-  add(new THREE.PlaneGeometry(2, 1.2), new THREE.MeshLambertMaterial({ color: 0xffffff, side: THREE.DoubleSide }), [-0.5, 2.6, -1.8], (mesh) => (mesh.rotation.x = -1));
-  add(new THREE.SphereGeometry(0.4, 24, 16), new THREE.MeshStandardMaterial({ color: 0xffc0ff }), [3, 0.8, -1], (mesh) => (mesh.receiveShadow = false));
+  add(
+    new THREE.PlaneGeometry(2, 1.2),
+    new THREE.MeshLambertMaterial({ color: 0xffffff, side: THREE.DoubleSide }),
+    [-0.5, 2.6, -1.8],
+    (mesh) => (mesh.rotation.x = -1),
+  );
+  add(
+    new THREE.SphereGeometry(0.4, 24, 16),
+    new THREE.MeshStandardMaterial({ color: 0xffc0ff }),
+    [3, 0.8, -1],
+    (mesh) => (mesh.receiveShadow = false),
+  );
   const posts = new THREE.InstancedMesh(new THREE.BoxGeometry(0.2, 1.4, 0.2), new THREE.MeshToonMaterial(), 4);
   for (let k = 0; k < 4; ++k) {
     posts.setMatrixAt(k, new THREE.Matrix4().makeTranslation(-3.6 + 0.7 * k, 0.7, -3));
@@ -59,14 +70,16 @@ const step = (a, i, b, j) => Math.max(Math.abs(a[i] - b[j]), Math.abs(a[i + 1] -
 
 // The share of pixels that differ, and how far from an edge of the second picture they are at most.
 function compare(a, b) {
-  let differing = 0, farthest = 0, worst = null;
+  let differing = 0,
+    farthest = 0,
+    worst = null;
   for (let y = 0; y < height; ++y) {
     for (let x = 0; x < width; ++x) {
       const i = 4 * (y * width + x);
       if (step(a, i, b, i) <= 6) continue;
       ++differing;
       const distance = distanceToEdge(b, x, y);
-      if (distance > farthest) (farthest = distance), (worst = [x, y, [...a.subarray(i, i + 3)], [...b.subarray(i, i + 3)]]);
+      if (distance > farthest) ((farthest = distance), (worst = [x, y, [...a.subarray(i, i + 3)], [...b.subarray(i, i + 3)]]));
     }
   }
   return { share: differing / (width * height), farthest, worst };
@@ -131,6 +144,14 @@ window.run = async () => {
   again.dispose();
   renderer.shadowMap.enabled = false;
   const unshadowed = draw(renderer, scene, camera);
-  return { both, ranges, areas, unshadowed: compare(unshadowed, fresh).share, errors: renderer.getContext().getError(), issues: again.issues.length, pictures };
+  return {
+    both,
+    ranges,
+    areas,
+    unshadowed: compare(unshadowed, fresh).share,
+    errors: renderer.getContext().getError(),
+    issues: again.issues.length,
+    pictures,
+  };
 };
 window.ready = true;

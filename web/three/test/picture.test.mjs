@@ -1,5 +1,5 @@
-// In a browser: a scene with two lights of different colours, drawn by fragments and by three.js' shadow maps. SHADOWCUT_PICTURES is a folder
-// for the pictures; SHADOWCUT_CHROMIUM, the browser.
+// In a browser: a scene with two lights of different colours, drawn by fragments and by three.js' shadow maps. SHADOWCUT_PICTURES is a
+// folder for the pictures; SHADOWCUT_CHROMIUM, the browser.
 import assert from 'node:assert/strict';
 import { mkdir, readFile, writeFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
@@ -39,10 +39,14 @@ test('fragments shade as shadow maps do, but for the edges', { timeout: 180000 }
     const folder = process.env.SHADOWCUT_PICTURES;
     if (folder) {
       await mkdir(folder, { recursive: true });
-      for (const [name, url] of Object.entries(pictures)) await writeFile(join(folder, `${name}.png`), Buffer.from(url.split(',')[1], 'base64'));
+      for (const [name, url] of Object.entries(pictures))
+        await writeFile(join(folder, `${name}.png`), Buffer.from(url.split(',')[1], 'base64'));
     }
     console.log(JSON.stringify(result), said);
-    assert.deepEqual(said.filter((line) => !/GPU stall due to ReadPixels|swiftshader|software WebGL/i.test(line)), []);
+    assert.deepEqual(
+      said.filter((line) => !/GPU stall due to ReadPixels|swiftshader|software WebGL/i.test(line)),
+      [],
+    );
     assert.equal(result.errors, 0);
     assert.equal(result.issues, 0);
     assert.ok(result.both.share < 0.02, `${result.both.share} of the pixels differ`);

@@ -15,9 +15,17 @@ export function randomFrom(seed) {
 }
 
 const materials = (r) => {
-  const options = { color: new THREE.Color(r.next(), r.next(), r.next()), side: r.pick([THREE.FrontSide, THREE.DoubleSide, THREE.BackSide]) };
+  const options = {
+    color: new THREE.Color(r.next(), r.next(), r.next()),
+    side: r.pick([THREE.FrontSide, THREE.DoubleSide, THREE.BackSide]),
+  };
   const Kind = r.pick([
-    THREE.MeshLambertMaterial, THREE.MeshPhongMaterial, THREE.MeshStandardMaterial, THREE.MeshPhysicalMaterial, THREE.MeshToonMaterial, THREE.MeshBasicMaterial,
+    THREE.MeshLambertMaterial,
+    THREE.MeshPhongMaterial,
+    THREE.MeshStandardMaterial,
+    THREE.MeshPhysicalMaterial,
+    THREE.MeshToonMaterial,
+    THREE.MeshBasicMaterial,
   ]);
   return new Kind({ ...options, vertexColors: r.next() < 0.3 });
 };
@@ -35,9 +43,23 @@ function geometries(r) {
   const { count } = geometry.attributes.position;
   if (r.next() < 0.4) {
     const size = r.pick([3, 4]);
-    geometry.setAttribute('color', new THREE.BufferAttribute(Float32Array.from({ length: size * count }, () => r.next()), size));
+    geometry.setAttribute(
+      'color',
+      new THREE.BufferAttribute(
+        Float32Array.from({ length: size * count }, () => r.next()),
+        size,
+      ),
+    );
   }
-  if (r.next() < 0.2) geometry.setAttribute('uv1', new THREE.BufferAttribute(Uint8Array.from({ length: 2 * count }, () => r.below(256)), 2, true));
+  if (r.next() < 0.2)
+    geometry.setAttribute(
+      'uv1',
+      new THREE.BufferAttribute(
+        Uint8Array.from({ length: 2 * count }, () => r.below(256)),
+        2,
+        true,
+      ),
+    );
   if (r.next() < 0.2) geometry.deleteAttribute('uv');
   if (r.next() < 0.1) geometry.deleteAttribute('normal');
   return geometry;
@@ -110,14 +132,15 @@ export class RandomScene {
   addLight() {
     const light = randomLight(this.r);
     this.scene.add(light);
-    if (light.target) this.scene.add(light.target), light.target.position.set(this.r.between(-2, 2), 0, this.r.between(-2, 2));
+    if (light.target) (this.scene.add(light.target), light.target.position.set(this.r.between(-2, 2), 0, this.r.between(-2, 2)));
     this.lights.push(light);
   }
 
   // One random change; its name.
   step() {
     const { r } = this;
-    const mesh = r.pick(this.meshes), light = r.pick(this.lights);
+    const mesh = r.pick(this.meshes),
+      light = r.pick(this.lights);
     const changes = {
       move: () => mesh.position.add(new THREE.Vector3(r.between(-0.5, 0.5), r.between(-0.2, 0.2), r.between(-0.5, 0.5))),
       rotate: () => mesh.rotateY(r.between(-1, 1)),
@@ -155,7 +178,9 @@ export class RandomScene {
       drawRange: () => mesh.geometry.setDrawRange(3 * r.below(4), r.pick([Infinity, 18])),
       instance: () => mesh.isInstancedMesh && setInstance(mesh, r.below(4), r),
       instanceCount: () => mesh.isInstancedMesh && (mesh.count = 1 + r.below(4)),
-      instanceColor: () => mesh.isInstancedMesh && (mesh.setColorAt(r.below(4), new THREE.Color(r.next(), r.next(), r.next())), (mesh.instanceColor.needsUpdate = true)),
+      instanceColor: () =>
+        mesh.isInstancedMesh &&
+        (mesh.setColorAt(r.below(4), new THREE.Color(r.next(), r.next(), r.next())), (mesh.instanceColor.needsUpdate = true)),
       reparent: () => r.pick([this.scene, this.group]).add(mesh),
       moveLight: () => light?.position.add(new THREE.Vector3(r.between(-1, 1), 0, r.between(-1, 1))),
       moveTarget: () => light?.target?.position.add(new THREE.Vector3(r.between(-1, 1), 0, r.between(-1, 1))),
