@@ -14,7 +14,7 @@ const defaults = {
   moves: () => false,
   follows: () => true,
   layer: 31,
-  facetsPerCell: 32, // now and then a cell is built again: a quarter of the engine's own makes that moment a third as long
+  facetsPerCell: 32, // now and then a cell is built again: a quarter of the engine's own halves that moment, about
 };
 
 export class SceneShadows {
