@@ -26,12 +26,15 @@ CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo 
 cmake --build build/fuzz
 mkdir -p build/fuzz/corpus/fuzz_obj build/fuzz/corpus/fuzz_build build/fuzz/corpus/fuzz_edits
 for name in room1 branch3 tetrahedron2; do head -c 4000 "data/$name.obj" >"build/fuzz/corpus/fuzz_obj/$name"; done
-for fuzzer in fuzz_obj fuzz_build fuzz_edits; do
-  echo "fuzzing: $fuzzer $budget"
-  "build/fuzz/bin/$fuzzer" "build/fuzz/corpus/$fuzzer" $budget -max_len=4096 -timeout=20 -rss_limit_mb=4096 \
-    -artifact_prefix=build/fuzz/ >"build/fuzz/$fuzzer.log" 2>&1 || { tail -n 40 "build/fuzz/$fuzzer.log"; exit 1; }
-  tail -n 1 "build/fuzz/$fuzzer.log"
-done
+fuzz() {
+  "build/fuzz/bin/$1" "build/fuzz/corpus/$1" $budget -max_len=4096 -timeout=20 -rss_limit_mb=4096 -artifact_prefix=build/fuzz/ \
+    >"build/fuzz/$1.log" 2>&1 || { tail -n 40 "build/fuzz/$1.log"; exit 1; }
+  echo "$1: $(tail -n 1 "build/fuzz/$1.log")"
+}
+export -f fuzz
+export budget
+echo "fuzzing: $budget"
+printf '%s\n' fuzz_obj fuzz_build fuzz_edits | xargs -P "$(nproc)" -I{} bash -c 'fuzz {}'
 echo "the exact kernel's laws, compiled by clang"
 SHADOWCUT_SOAK=30000 build/fuzz/bin/predicates_clang --gtest_brief=1
 
