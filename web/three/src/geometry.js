@@ -347,7 +347,7 @@ export class FragmentGeometry {
 
   // Two numbers a vertex: itself, and the next of its fragment; twice itself in holes.
   #makeLines() {
-    this.lines.dispose();
+    this.dispose(); // of both: disposing of one takes from three.js the buffer that they share
     if (!this.withLines) {
       this.#lineIndex = null;
       this.lines.setIndex(null);
