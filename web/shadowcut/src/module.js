@@ -13,13 +13,15 @@ export class ShadowcutError extends Error {
   }
 }
 
-async function bytesOf({ wasmBinary, wasmUrl }) {
-  if (wasmBinary) return wasmBinary;
+async function compiled({ wasmBinary, wasmUrl }) {
+  if (wasmBinary) return WebAssembly.compile(wasmBinary);
   const url = new URL(wasmUrl ?? new URL('../dist/shadowcut.wasm', import.meta.url), globalThis.location?.href);
-  if (url.protocol === 'file:') return (await import(/* @vite-ignore */ 'node:fs/promises')).readFile(url);
+  if (url.protocol === 'file:') return WebAssembly.compile(await (await import(/* @vite-ignore */ 'node:fs/promises')).readFile(url));
   const response = await fetch(url);
   if (!response.ok) throw new ShadowcutError('NOT_FOUND', `${url}: ${response.status} ${response.statusText}`);
-  return response.arrayBuffer();
+  // While it arrives, where the server says what it is.
+  if (response.headers.get('content-type') === 'application/wasm') return WebAssembly.compileStreaming(response);
+  return WebAssembly.compile(await response.arrayBuffer());
 }
 
 const decoder = new TextDecoder();
@@ -32,7 +34,7 @@ export class Module {
       throw new ShadowcutError('INVALID_ARGUMENT', `maximumMemory must be between ${initial * page} and ${most * page} bytes`);
     }
     const memory = new WebAssembly.Memory({ initial, maximum: pages });
-    const { instance } = await WebAssembly.instantiate(await bytesOf(options), surroundings(memory));
+    const instance = await WebAssembly.instantiate(await compiled(options), surroundings(memory));
     return new Module(memory, instance.exports);
   }
 
