@@ -17,6 +17,8 @@ export interface SceneShadowsOptions {
   follows?: (light: Light) => boolean;
   /** Where received meshes go while SceneShadows.mesh draws them: cameras do not see it, raycasters may enable it. Otherwise 31. */
   layer?: number;
+  /** Triangles are joined to the polygons they were cut from. Where not, the engine has three.js' triangles, as a program that reads the same file has. */
+  joins?: boolean;
 }
 
 export interface SceneUpdate {

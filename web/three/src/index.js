@@ -15,6 +15,7 @@ const defaults = {
   follows: () => true,
   layer: 31,
   facetsPerCell: 32, // now and then a cell is built again: a quarter of the engine's own halves that moment, about
+  joins: true,
 };
 
 export class SceneShadows {

@@ -120,7 +120,7 @@ export class Mirror {
   bake(mesh) {
     const entry = this.#entries.get(mesh);
     if (!entry) return; // it is baked when it is met
-    if (entry.source === this.#sources.get(mesh.geometry)?.[+entry.grouped]) entry.source = new Source(mesh.geometry, entry.grouped, mesh);
+    if (entry.source === this.#sources.get(mesh.geometry)?.[+entry.grouped]) entry.source = new Source(mesh.geometry, entry.grouped, false, mesh);
     else entry.source.bake(mesh);
   }
 
@@ -152,12 +152,12 @@ export class Mirror {
     entry.grouped = grouped;
     this.#dropSource(old);
     const posed = mesh.isSkinnedMesh || mesh.morphTargetInfluences?.some((influence) => influence !== 0);
-    entry.source = posed ? new Source(geometry, grouped, mesh) : this.#sourceOf(geometry, grouped);
+    entry.source = posed ? new Source(geometry, grouped, false, mesh) : this.#sourceOf(geometry, grouped);
   }
   #sourceOf(geometry, grouped) {
     let pair = this.#sources.get(geometry);
     if (!pair) this.#sources.set(geometry, (pair = [null, null]));
-    return (pair[+grouped] ??= new Source(geometry, grouped));
+    return (pair[+grouped] ??= new Source(geometry, grouped, this.#options.joins));
   }
 
   #lookAtSettings(entry, casts, receives) {

@@ -38,15 +38,17 @@ export class Source {
   #geometry;
   #grouped;
   #baked; // the mesh whose pose was taken, or null
+  #joins; // triangles to polygons
   #changes; // positions or attributes have changed, and will again: its triangles are not joined
   #seen = { attributes: [], versions: [] };
   #checked = -1;
 
-  constructor(geometry, grouped, baked = null) {
+  constructor(geometry, grouped, joins, baked = null) {
     this.#geometry = geometry;
     this.#grouped = grouped;
     this.#baked = baked;
     this.#changes = baked !== null;
+    this.#joins = joins;
   }
   get faceCount() {
     return this.cornerCounts.length;
@@ -125,7 +127,7 @@ export class Source {
         numbers.push(materialIndex ?? 0);
       }
     }
-    const faces = joinTriangles(triangles, numbers, this.points, this.#changes ? null : this.attributes);
+    const faces = joinTriangles(triangles, numbers, this.points, this.#joins && !this.#changes ? this.attributes : null);
     this.outlines = faces.outlines;
     this.cornerCounts = faces.cornerCounts;
     this.corners = faces.corners;
