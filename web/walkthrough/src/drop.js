@@ -8,6 +8,7 @@ import { meshesOf, parseGlb } from './room.js';
 export const mostBytes = 64 * 2 ** 20;
 // The engine cuts this many in some seconds, in which the page stands still.
 export const mostTriangles = 100_000;
+const mostNodes = 10_000; // every one is looked at in every frame
 const deepest = 500; // nodes within nodes: three.js goes down by recursion
 const patience = 30; // seconds
 
@@ -44,6 +45,7 @@ export async function readModel(file) {
   if (triangles > mostTriangles) refuse(tooMany(triangles));
   model.updateMatrixWorld(true);
   const { min, max } = new Box3().setFromObject(model);
+  if (min.equals(max)) refuse('it has no extent: everything is scaled to nothing.');
   if (![...min.toArray(), ...max.toArray()].every((c) => Math.abs(c) < 1e30)) refuse('its coordinates are beyond what can be drawn.');
   return { model, triangles, notes };
 }
@@ -74,7 +76,11 @@ function checkDocument(document, refuse) {
   if (foreign) refuse(`it needs ${foreign}, which this page does not read.`);
   const outside = [...list(document.buffers), ...list(document.images)].find((each) => typeof each?.uri === 'string' && !each.uri.startsWith('data:'));
   if (outside) refuse(`it refers to another file, ${outside.uri.slice(0, 60)}; this page reads nothing but the GLB.`);
+  if (list(document.nodes).length > mostNodes) refuse(`${document.nodes.length.toLocaleString('en')} nodes; this page takes up to ${mostNodes.toLocaleString('en')}.`);
   checkTree(document, refuse);
+  // Accessors with nothing in the file are zeros, as many as they like.
+  const zeros = list(document.accessors).reduce((sum, each) => sum + (each?.bufferView === undefined ? Number(each?.count) || 0 : 0), 0);
+  if (zeros > 3 * mostTriangles) refuse(`it wants ${zeros.toLocaleString('en')} numbers that are not in the file.`);
   const triangles = trianglesOf(document);
   if (triangles > mostTriangles) refuse(tooMany(triangles));
 }
