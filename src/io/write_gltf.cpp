@@ -180,7 +180,11 @@ class Writer {
     document_["scene"] = 0;
     document_["scenes"] = ordered_json::array({{{"nodes", roots}}});
     document_["bufferViews"] = {
-        {{"buffer", 0}, {"byteOffset", 0}, {"byteLength", positions_.size()}, {"target", array_buffer}},
+        {{"buffer", 0},
+         {"byteOffset", 0},
+         {"byteLength", positions_.size()},
+         {"byteStride", 12},
+         {"target", array_buffer}},  // several share it
         {{"buffer", 0}, {"byteOffset", positions_.size()}, {"byteLength", indices_.size()}, {"target", element_array_buffer}}};
     document_["buffers"] = ordered_json::array({{{"byteLength", positions_.size() + indices_.size()}}});
   }
