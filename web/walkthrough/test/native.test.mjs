@@ -53,7 +53,7 @@ function replayed(kernel, history) {
   const script = join(folder, `${kernel}.jsonl`);
   const lines = history.flatMap(({ edits }) => [...edits, { op: 'update' }]);
   writeFileSync(script, lines.map((line) => JSON.stringify(line)).join('\n'));
-  return JSON.parse(native('replay', roomFile, script, '--kernel', kernel, '--threads', '1', '--json', '-'));
+  return JSON.parse(native('replay', roomFile, script, '--quiet', '--kernel', kernel, '--threads', '1', '--json', '-'));
 }
 
 const spiral = ([x, y], count, width, height) =>

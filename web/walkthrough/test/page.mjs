@@ -13,7 +13,7 @@ export const program = process.env.SHADOWCUT_PROGRAM ?? fileURLToPath(new URL('.
 export const roomFile = `${folder}dist/room.glb`;
 
 // Runs the native program; what it prints.
-export const native = (...args) => execFileSync(program, [...args, '--quiet'], { encoding: 'utf8', maxBuffer: 2 ** 28 });
+export const native = (...args) => execFileSync(program, args, { encoding: 'utf8', maxBuffer: 2 ** 28 });
 
 export async function serve() {
   assert.ok(existsSync(roomFile), 'the page has not been built: npm run build -w shadowcut-walkthrough');
@@ -27,6 +27,7 @@ export const launch = () => chromium.launch({ executablePath, args: ['--no-sandb
 export async function open(browser, address, options = {}) {
   const context = await browser.newContext({ viewport: { width: 900, height: 560 }, ...options });
   const page = await context.newPage();
+  page.setDefaultTimeout(120_000); // a busy machine that draws by software
   const complaints = [];
   page.on('console', (message) => ['error', 'warning'].includes(message.type()) && !isOfTheDriver(message.text()) && complaints.push(`${message.type()}: ${message.text()}`));
   page.on('pageerror', (error) => complaints.push(`exception: ${error.stack}`));
