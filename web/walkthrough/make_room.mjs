@@ -143,7 +143,7 @@ const { objects, light } = readObj(readFileSync(source, 'utf8'));
 const glb = new Glb();
 const materials = new Map();
 for (const object of objects) addObject(glb, materials, object);
-glb.document.extensions.KHR_lights_punctual.lights.push({ type: 'point', name: 'lamp', intensity: 36, color: [1, 1, 1] });
+glb.document.extensions.KHR_lights_punctual.lights.push({ type: 'point', name: 'lamp', intensity: 48, color: [1, 1, 1] });
 glb.node({ name: 'lamp', translation: light.toArray(), extensions: { KHR_lights_punctual: { light: 0 } } });
 mkdirSync(here('public/'), { recursive: true });
 writeFileSync(target, glb.bytes());

@@ -105,8 +105,6 @@ export class Compare {
     to.castShadow = true;
     to.shadow.mapSize.set(this.mapSize, this.mapSize);
     to.shadow.camera.near = 0.05;
-    to.shadow.bias = -0.0005; // less of it, and surfaces shade themselves; more, and shadows come off their feet
-    to.shadow.normalBias = 0.01;
     if (light.target) to.target = light.target;
     return to;
   }

@@ -6,7 +6,7 @@ import { meshesOf, parseGlb } from './room.js';
 // A file is in memory about three times while it is read (bytes, three.js' arrays, the engine's numbers), in a tab that a phone may end at some
 // hundred megabytes.
 export const mostBytes = 64 * 2 ** 20;
-// The engine cuts this many in some seconds, in which the page stands still.
+// The engine cuts this many in about ten seconds, in which the page stands still, and says so.
 export const mostTriangles = 100_000;
 const mostNodes = 10_000; // every one is looked at in every frame
 const deepest = 500; // nodes within nodes: three.js goes down by recursion

@@ -42,6 +42,7 @@ class App {
   #fast = false;
   #waiting = []; // for the next frame drawn
   #idle;
+  #buildMs = Infinity;
   #models = [];
 
   constructor() {
@@ -75,7 +76,8 @@ class App {
     matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener('change', () => this.resize());
     canvas.addEventListener('webglcontextlost', () => this.panel.say('The graphics processor has dropped this page. It may come back; otherwise reload.'));
     canvas.addEventListener('webglcontextrestored', () => this.panel.say(''));
-    canvas.addEventListener('wheel', (event) => {
+    addEventListener('wheel', (event) => {
+      if (event.ctrlKey || event.target.closest('#panel')) return; // those zoom the page, and scroll the panel
       event.preventDefault();
       this.setZoom(this.compare.zoom * 2 ** (-Math.sign(event.deltaY) / 4), event.clientX / innerWidth, event.clientY / innerHeight);
     }, { passive: false });
@@ -137,12 +139,12 @@ class App {
       const { model, triangles, notes } = await readModel(file);
       this.panel.say(`Cutting the shadows of ${triangles.toLocaleString('en')} triangles …`);
       await painted();
-      if (this.panel.alone) this.showAlone(model, file.name, notes);
+      if (this.panel.alone) await this.showAlone(model, file.name, notes);
       else this.showInRoom(model, file.name, notes);
     } catch (error) {
-      if (!(error instanceof Refusal)) console.warn(error);
-      this.panel.say(error instanceof Refusal ? error.message : `${file.name}: ${error.message}`);
-      if (!this.world) await this.reset();
+      if (error instanceof Refusal) this.panel.say(error.message);
+      else if (error.status === 'OUT_OF_MEMORY') this.panel.say(`${file.name}: its shadows need more memory than this page can have. What was here before is here again.`);
+      else (console.error(error), this.panel.say(`${file.name}: ${error.message}.`));
     }
     this.invalidate();
     return undefined;
@@ -167,11 +169,16 @@ class App {
     this.#chosen = name;
     this.#sayModel(name, root, notes);
   }
-  showAlone(model, name, notes) {
+  async showAlone(model, name, notes) {
     const world = World.alone(model);
-    this.enter(world);
-    this.follow();
-    this.draw(true);
+    try {
+      this.enter(world);
+      this.follow();
+      this.draw(true);
+    } catch (error) {
+      await this.reset(); // the room again
+      throw error;
+    }
     this.#sayModel(name, world.scene, notes);
   }
   #sayModel(name, root, notes) {
@@ -329,7 +336,7 @@ class App {
     }
   }
   #failed(error) {
-    console.warn(error);
+    console.error(error);
     this.unfollow();
     this.panel.say(`The shadows have stopped: ${error.message}. “Everything as it was” begins anew.`);
   }
@@ -339,10 +346,11 @@ class App {
     if (this.built) {
       this.panel.update({ ...done, buffersMs: done.ms - done.engineMs, uploadMs: this.upload.ms, uploadedBytes: this.upload.bytes });
     }
+    else this.#buildMs = done.engineMs;
     this.panel.state(this.figures());
     this.built = true;
     clearTimeout(this.#idle);
-    this.#idle = setTimeout(() => this.measureRebuild(), 1500);
+    if (this.#buildMs < 50) this.#idle = setTimeout(() => this.measureRebuild(), 1500); // when nothing moves; what would be felt is left to the button
   }
   figures() {
     const sum = { fragments: 0, lit: 0, facing: 0, lights: 0 };
@@ -381,7 +389,7 @@ class App {
   measureRebuild() {
     if (!this.shadows || this.drag.held || this.walk.moving) return;
     const times = [];
-    for (let k = 0; k < 3; ++k) {
+    for (let k = 0; k < (this.#buildMs < 200 ? 3 : 1); ++k) {
       const engine = new this.shadowcut.Engine(this.shadows.scene, { kernel: this.kernel });
       try {
         times.push(engine.update().ms);

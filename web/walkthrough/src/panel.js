@@ -71,7 +71,9 @@ export class Panel {
     this.#write('buffers', ms(buffersMs));
     this.#write('upload', `${ms(uploadMs)}, ${kilobytes(uploadedBytes)}`);
     this.#write('changed', `${gone}, ${added}`);
-    this.#write('history', `${this.updates.length}: median ${ms(percentile(this.updates, 0.5))}, 99 % under ${ms(percentile(this.updates, 0.99))}`);
+    this.#write('history', `${this.updates.length} updates: median`);
+    this.#write('middle', ms(percentile(this.updates, 0.5)));
+    this.#write('most', ms(percentile(this.updates, 0.99)));
   }
   state({ fragments, lit, facing, lights }) {
     this.#write('fragments', String(fragments));
@@ -80,7 +82,7 @@ export class Panel {
   }
   forgetUpdates() {
     this.updates.length = 0;
-    for (const id of ['update', 'engine', 'buffers', 'upload', 'changed', 'history', 'rebuild', 'map']) this.#write(id, '–');
+    for (const id of ['update', 'engine', 'buffers', 'upload', 'changed', 'middle', 'most', 'rebuild', 'map']) this.#write(id, '–');
   }
   rebuild(value, kernel) {
     this.#write('rebuild', `${ms(value)} (${kernel})`);

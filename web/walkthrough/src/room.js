@@ -63,7 +63,7 @@ function dressLamp(light, ceiling) {
 
 function surroundings(scene) {
   scene.background = new Color(0x8c857a);
-  scene.add(new HemisphereLight(0xffffff, 0xb8ab98, 0.75));
+  scene.add(new HemisphereLight(0xffffff, 0xb8ab98, 1.3));
 }
 
 // Everything about the scene that is walked through: what can be moved, where one may go, where one starts.

@@ -24,9 +24,9 @@ export async function serve() {
 export const launch = () => chromium.launch({ executablePath, args: ['--no-sandbox', '--enable-precise-memory-info'] });
 
 // A page that has drawn its shadows. `complaints` fills with console errors, exceptions and requests to other hosts.
-export async function open(browser, address, options = {}) {
-  const context = await browser.newContext({ viewport: { width: 900, height: 560 }, ...options });
-  const page = await context.newPage();
+export async function open(browser, address, options = {}, given = undefined) {
+  const context = given?.context() ?? (await browser.newContext({ viewport: { width: 900, height: 560 }, ...options }));
+  const page = given ?? (await context.newPage());
   page.setDefaultTimeout(120_000); // a busy machine that draws by software
   const complaints = [];
   page.on('console', (message) => ['error', 'warning'].includes(message.type()) && !isOfTheDriver(message.text()) && complaints.push(`${message.type()}: ${message.text()}`));

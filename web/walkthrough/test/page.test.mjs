@@ -307,6 +307,29 @@ test('whatever is dropped, there are words for it, and the room stays usable', a
   await context.close();
 });
 
+test('more than the memory holds: words, and the room is there again', async () => {
+  // 48 MiB, which the room fits in.
+  const page = await browser.newPage();
+  await page.addInitScript(() => {
+    const { Memory } = WebAssembly;
+    WebAssembly.Memory = function (wanted) {
+      return new Memory({ ...wanted, maximum: 768 });
+    };
+  });
+  const { complaints } = await open(browser, server.address, {}, page);
+  const { lit } = await frame(page);
+  for (const where of ['room', 'alone']) {
+    await page.selectOption('#where', where);
+    await page.locator('#file').setInputFiles({ name: 'large.glb', mimeType: 'model/gltf-binary', buffer: meshGlb(carpet(200)) });
+    await page.waitForFunction(() => /large\.glb: its shadows need more memory/.test(document.querySelector('#message').textContent));
+    assert.ok(near((await frame(page)).lit, lit));
+    await isUsable(page);
+    await page.locator('#message button').click();
+  }
+  assert.deepEqual(complaints, []);
+  await page.close();
+});
+
 test('VR: a button where a headset is, words where it is not', async () => {
   for (const [xr, enabled, says] of [
     [undefined, false, /no WebXR/],
