@@ -33,7 +33,7 @@ class App {
   shadowcut = null;
   shadows = null;
   kernel = 'fast';
-  joins = true;
+  asNative = {}; // what of the adapter's options is to be the native program's
   outlines = false;
   built = false; // the shadows have been built and drawn; what comes is updates
   #chosen = 'lamp';
@@ -120,7 +120,7 @@ class App {
   // The engine begins to follow the scene that is shown; builds at the next frame.
   follow() {
     this.unfollow();
-    this.shadows = new SceneShadows(this.shadowcut, this.world.scene, { kernel: this.kernel, joins: this.joins, layer });
+    this.shadows = new SceneShadows(this.shadowcut, this.world.scene, { kernel: this.kernel, layer, ...this.asNative });
     this.shadows.mesh.userData.drawn = true; // by its fragments: no ray hits it, and no shadow map has it
     this.shadows.outlines = this.outlines;
     this.panel.forgetUpdates();
@@ -465,7 +465,7 @@ export function begin(engine, room) {
 //   poses()         of all that the engine has, by name: sixteen numbers, row by row, local to world; and lights: where the points are
 //   under(x, y)     the name of what can be dragged there, in CSS pixels
 //   place(name, at) puts a thing there by itself, without what it carries
-//   joins(joins)    builds anew, with the file's triangles joined to polygons or not: `shadowcut replay` does not
+//   asNative()      builds anew, as `shadowcut replay` does: the file's triangles are not joined to polygons, cells are as large as the engine likes
 window.walkthrough = {
   frame: () => app.nextFrame(),
   poses: () => {
@@ -480,8 +480,8 @@ window.walkthrough = {
     return hit?.movable && app.nameOfMovable(hit.movable);
   },
   place: (name, at) => void app.world.movables.get(name).position.fromArray(at),
-  joins: (joins) => {
-    app.joins = joins;
+  asNative: () => {
+    app.asNative = { joins: false, facetsPerCell: 128 };
     app.follow();
   },
 };
