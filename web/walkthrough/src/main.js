@@ -165,8 +165,8 @@ class App {
       throw error;
     }
     this.#models.push(root);
-    this.panel.names([...this.world.movables.keys()], name);
-    this.#chosen = name;
+    this.#chosen = this.nameOfMovable(root);
+    this.panel.names([...this.world.movables.keys()], this.#chosen);
     this.#sayModel(name, root, notes);
   }
   async showAlone(model, name, notes) {
@@ -196,6 +196,7 @@ class App {
         this.world.reset();
         this.compare.forget();
         this.panel.names([...this.world.movables.keys()], (this.#chosen = 'lamp'));
+        if (!this.shadows) this.follow();
       } else {
         this.enter(World.room((await parseGlb(await fetchRoom())).scene));
         this.follow();

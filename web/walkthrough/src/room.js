@@ -103,7 +103,12 @@ export class World {
     world.scene.add(root);
     world.bounds.setFromObject(root);
     const size = world.bounds.getSize(new Vector3()), middle = world.bounds.getCenter(new Vector3());
-    const lights = shadowLights(root);
+    const lights = shadowLights(root), scale = root.children[0].scale.x;
+    for (const light of lights) {
+      if (light.isDirectionalLight) continue;
+      light.intensity *= scale * scale; // as bright on what is now so much nearer
+      light.distance *= scale;
+    }
     if (lights.length === 0) {
       const lamp = new PointLight(0xffffff, 6 + 0.4 * size.lengthSq());
       lamp.name = 'lamp';
@@ -131,6 +136,7 @@ export class World {
   }
   removeModel(root) {
     root.removeFromParent();
+    disposeOf(root);
     for (const [name, object] of this.movables) if (object === root) this.movables.delete(name);
   }
 
@@ -159,9 +165,17 @@ export class World {
   }
 
   dispose() {
-    for (const mesh of meshesOf(this.scene)) {
-      mesh.geometry.dispose();
-      for (const material of [mesh.material].flat()) material.dispose();
+    disposeOf(this.scene);
+  }
+}
+
+// What the graphics processor has of it.
+function disposeOf(root) {
+  for (const mesh of meshesOf(root)) {
+    mesh.geometry.dispose();
+    for (const material of [mesh.material].flat()) {
+      for (const value of Object.values(material)) if (value?.isTexture) value.dispose();
+      material.dispose();
     }
   }
 }
