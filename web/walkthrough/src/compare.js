@@ -3,7 +3,7 @@
 import { Scene } from 'three';
 import { meshesOf } from './room.js';
 
-export const mostZoom = 64;
+const mostZoom = 64;
 
 export class Compare {
   on = false;

@@ -1,7 +1,7 @@
 // Moves furniture and lamps along the floor, or upright; what stands on a thing comes along. Things may be pushed into one another: the
 // engine cuts what crosses as well.
 import { Box3, Plane, Raycaster, Vector3 } from 'three';
-import { meshesOf } from './room.js';
+import { isWithin, meshesOf } from './room.js';
 
 const floorNormal = new Vector3(0, 1, 0);
 const farthest = 40; // metres from the eye that a thing can be dragged to
@@ -34,9 +34,9 @@ export class Drag {
   }
   hitAlong(ray = this.#raycaster.ray) {
     this.#raycaster.ray.copy(ray);
-    const meshes = [];
-    for (const mesh of meshesOf(this.world.scene)) if (mesh.castShadow || mesh.receiveShadow || mesh.parent?.isLight) meshes.push(mesh);
-    const [first] = this.#raycaster.intersectObjects(meshes.filter((mesh) => mesh.layers.test(this.#raycaster.layers) && !mesh.userData.drawn), false);
+    const isThing = (mesh) => mesh.castShadow || mesh.receiveShadow || mesh.parent?.isLight;
+    const meshes = meshesOf(this.world.scene).filter((mesh) => isThing(mesh) && mesh.layers.test(this.#raycaster.layers) && !mesh.userData.drawn);
+    const [first] = this.#raycaster.intersectObjects(meshes, false);
     return first && { point: first.point, movable: this.#movable(first.object) };
   }
   #movable(object) {
@@ -95,7 +95,7 @@ export class Drag {
     if (object.isLight) return [];
     const others = new Map();
     for (const other of this.world.movables.values()) {
-      if (other !== object && !other.isLight && !isPartOf(other, object) && !isPartOf(object, other)) others.set(other, new Box3().setFromObject(other));
+      if (!other.isLight && !isWithin(other, object) && !isWithin(object, other)) others.set(other, new Box3().setFromObject(other));
     }
     const carried = [], open = [new Box3().setFromObject(object)];
     while (open.length > 0) {
@@ -117,8 +117,3 @@ function carries(under, box) {
   const rests = above && Math.abs(box.min.y - under.max.y) < touching;
   return rests || under.clone().expandByScalar(touching).containsBox(box);
 }
-
-const isPartOf = (object, whole) => {
-  for (let at = object.parent; at; at = at.parent) if (at === whole) return true;
-  return false;
-};

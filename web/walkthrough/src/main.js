@@ -13,8 +13,8 @@ import { fetchRoom } from './fetch.js';
 import { MapMeter, percentile, UploadMeter } from './meter.js';
 import { Panel } from './panel.js';
 import { Pointer } from './pointer.js';
-import { nameOf, parseGlb, World } from './room.js';
-import { isField, Walk } from './walk.js';
+import { isWithin, nameOf, parseGlb, World } from './room.js';
+import { inTheWorld, isField, Walk } from './walk.js';
 import { prepareXr, Vr } from './xr.js';
 
 const layer = 31; // of the meshes that are drawn by their fragments
@@ -274,8 +274,7 @@ class App {
     const object = this.world.movables.get(this.#chosen);
     if (!object) return;
     const quarter = (Math.round(this.walk.yaw / (Math.PI / 2)) * Math.PI) / 2, sin = Math.round(Math.sin(quarter)), cos = Math.round(Math.cos(quarter));
-    const by = new Vector3(right * cos - forwards * sin, up, -right * sin - forwards * cos).multiplyScalar(0.05);
-    if (this.drag.moveBy(object, by)) this.invalidate();
+    if (this.drag.moveBy(object, inTheWorld(right, up, forwards, sin, cos).multiplyScalar(0.05))) this.invalidate();
   }
 
   // ---- Drawing
@@ -450,11 +449,6 @@ class App {
 }
 
 const painted = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
-
-function isWithin(object, root) {
-  for (let at = object; at; at = at.parent) if (at === root) return true;
-  return false;
-}
 
 const app = new App();
 export function begin(engine, room) {

@@ -10,6 +10,12 @@ export const eyeHeight = 1.65; // metres
 // Names as the file has them: GLTFLoader takes the dots out of "desk.1", and keeps the name here.
 export const nameOf = (object) => object.userData.name || object.name || object.type;
 
+// Itself, too.
+export function isWithin(object, root) {
+  for (let at = object; at; at = at.parent) if (at === root) return true;
+  return false;
+}
+
 export function parseGlb(bytes, prepare) {
   const loader = new GLTFLoader();
   prepare?.(loader);

@@ -60,8 +60,7 @@ export class Walk {
   }
   // By metres.
   go(right, forwards, up = 0) {
-    const sin = Math.sin(this.#yaw), cos = Math.cos(this.#yaw);
-    this.goBy(new Vector3(right * cos - forwards * sin, up, -right * sin - forwards * cos));
+    this.goBy(inTheWorld(right, up, forwards, Math.sin(this.#yaw), Math.cos(this.#yaw)));
   }
   // In the world.
   goBy(by) {
@@ -90,6 +89,9 @@ export class Walk {
     return this.#keys.size > 0 || this.#thumb[0] !== 0 || this.#thumb[1] !== 0;
   }
 }
+
+// What is to the right, up and forwards of an eye that is turned to the left by an angle.
+export const inTheWorld = (right, up, forwards, sin, cos) => new Vector3(right * cos - forwards * sin, up, -right * sin - forwards * cos);
 
 // Keys there are the field's own.
 export function isField(element) {

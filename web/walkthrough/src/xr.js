@@ -5,12 +5,12 @@ import { BufferGeometry, Line, LineBasicMaterial, Matrix4, Ray, Vector3 } from '
 const walkSpeed = 1.8; // metres a second
 
 export async function prepareXr(panel) {
-  const words = await whyNot();
-  panel.vr(words === '', words || 'A headset is there.');
-  navigator.xr?.addEventListener?.('devicechange', async () => {
-    const now = await whyNot();
-    panel.vr(now === '', now || 'A headset is there.');
-  });
+  const say = async () => {
+    const words = await whyNot();
+    panel.vr(words === '', words || 'A headset is there.');
+  };
+  await say();
+  navigator.xr?.addEventListener?.('devicechange', say);
 }
 
 async function whyNot() {

@@ -3,25 +3,12 @@
 // sides, the module computes as native code does, and the page is told to leave the file's triangles and the engine's
 // settings as they are.
 import assert from 'node:assert/strict';
-import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import test, { after, before } from 'node:test';
-import { findOnScreen, launch, native, open, roomFile, serve } from './page.mjs';
+import test from 'node:test';
+import { findOnScreen, frame, native, open, roomFile, stage } from './page.mjs';
 
-let server, browser, folder;
-before(async () => {
-  folder = mkdtempSync(join(tmpdir(), 'walkthrough-'));
-  server = await serve();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-  rmSync(folder, { recursive: true });
-});
-
-const frame = (page) => page.evaluate(() => window.walkthrough.frame());
+const on = stage();
 const poses = (page) => page.evaluate(() => window.walkthrough.poses());
 
 // An edit for everything that is elsewhere, in the scene's order.
@@ -51,7 +38,7 @@ async function drag(page, from, path, history) {
 }
 
 function replayed(kernel, history) {
-  const script = join(folder, `${kernel}.jsonl`);
+  const script = join(on.folder, `${kernel}.jsonl`);
   const lines = history.flatMap(({ edits }) => [...edits, { op: 'update' }]);
   writeFileSync(script, lines.map((line) => JSON.stringify(line)).join('\n'));
   return JSON.parse(native('replay', roomFile, script, '--quiet', '--kernel', kernel, '--threads', '1', '--json', '-'));
@@ -66,7 +53,7 @@ const spiral = ([x, y], count, width, height) =>
 // The page as it is joins triangles to polygons: fewer faces and fragments of the same region. Its corners are within a unit in the last place of it, as the native
 // program's are, and the areas are added up in another order.
 test('as the page is by itself: the same lit area, within 1e-12 of it, kernel exact', async () => {
-  const { page, context, complaints } = await open(browser, server.address);
+  const { page, context, complaints } = await open(on.browser, on.server.address);
   await page.selectOption('#kernel', 'exact');
   const start = await frame(page);
   const history = [];
@@ -84,7 +71,7 @@ test('as the page is by itself: the same lit area, within 1e-12 of it, kernel ex
 
 for (const kernel of ['exact', 'fast', 'single']) {
   test(`a desk with all that is on it, and the lamp: kernel ${kernel}`, async (t) => {
-    const { page, context, complaints } = await open(browser, server.address);
+    const { page, context, complaints } = await open(on.browser, on.server.address);
     await page.selectOption('#kernel', kernel);
     await page.evaluate(() => window.walkthrough.asNative());
     const start = await frame(page);

@@ -1,7 +1,10 @@
 // Serves the built page, opens it in Chromium, and hears what it complains of. Software draws: no graphics processor is needed.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { existsSync } from 'node:fs';
+import { existsSync, mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 import { preview } from 'vite';
@@ -23,6 +26,22 @@ export async function serve() {
 
 export const launch = () => chromium.launch({ executablePath, args: ['--no-sandbox', '--enable-precise-memory-info'] });
 
+// What a file of tests needs, from its first test to its last: { server, browser, folder }, a folder for its files.
+export function stage() {
+  const all = {};
+  before(async () => {
+    all.folder = mkdtempSync(join(tmpdir(), 'walkthrough-'));
+    all.server = await serve();
+    all.browser = await launch();
+  });
+  after(async () => {
+    await all.browser?.close();
+    await all.server?.close();
+    rmSync(all.folder, { recursive: true });
+  });
+  return all;
+}
+
 // A page that has drawn its shadows. `complaints` fills with console errors, exceptions and requests to other hosts.
 export async function open(browser, address, options = {}, given = undefined) {
   const context = given?.context() ?? (await browser.newContext({ viewport: { width: 900, height: 560 }, ...options }));
@@ -41,6 +60,8 @@ export async function open(browser, address, options = {}, given = undefined) {
 // The software's that draws here in the place of a graphics processor: it says that reading pixels waits.
 const isOfTheDriver = (text) => /GL Driver Message.*(GPU stall due to ReadPixels|Performance)/.test(text);
 
+// The next frame's figures.
+export const frame = (page) => page.evaluate(() => window.walkthrough.frame());
 export const words = (page) => page.locator('#message span').textContent();
 
 // Where on the screen something of that name can be taken hold of: the middle of what is seen of it.

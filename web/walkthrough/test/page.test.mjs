@@ -1,26 +1,13 @@
 // The page, driven as a person would: mouse, keys, fingers, files. No console error, no request to another host; and whatever it is given, the room
 // stays usable.
 import assert from 'node:assert/strict';
-import { mkdtempSync, rmSync, truncateSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { truncateSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import test, { after, before } from 'node:test';
+import test from 'node:test';
 import { carpet, glb, hostile, meshDocument, meshGlb, pyramid } from './files.mjs';
-import { findOnScreen, launch, open, serve, words } from './page.mjs';
+import { findOnScreen, frame, open, stage, words } from './page.mjs';
 
-let server, browser, folder;
-before(async () => {
-  folder = mkdtempSync(join(tmpdir(), 'walkthrough-'));
-  server = await serve();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-  rmSync(folder, { recursive: true });
-});
-
-const frame = (page) => page.evaluate(() => window.walkthrough.frame());
+const on = stage();
 const press = async (page, key) => {
   await page.keyboard.press(key);
   return frame(page);
@@ -40,7 +27,7 @@ async function isUsable(page) {
 }
 
 test('the first picture', async (t) => {
-  const { page, context, complaints } = await open(browser, server.address);
+  const { page, context, complaints } = await open(on.browser, on.server.address);
   const marks = await page.evaluate(() => Object.fromEntries(performance.getEntriesByType('mark').map(({ name, startTime }) => [name, startTime])));
   assert.ok(marks['the room is drawn'] <= marks['the shadows are drawn']);
   for (const [name, ms] of Object.entries(marks)) t.diagnostic(`${name}: ${ms.toFixed(0)} ms after the page was asked for`);
@@ -51,7 +38,7 @@ test('the first picture', async (t) => {
 });
 
 test('settings, by mouse and by keys', async () => {
-  const { page, context, complaints } = await open(browser, server.address);
+  const { page, context, complaints } = await open(on.browser, on.server.address);
   const { lit, fragments } = await frame(page);
   for (const [key, kernel] of [['2', 'exact'], ['3', 'single'], ['1', 'fast']]) {
     const now = await press(page, key);
@@ -105,7 +92,7 @@ test('settings, by mouse and by keys', async () => {
 });
 
 test('walking, looking, moving what is chosen, and everything as it was', async () => {
-  const { page, context, complaints } = await open(browser, server.address);
+  const { page, context, complaints } = await open(on.browser, on.server.address);
   const begun = await frame(page);
   const seen = () => page.evaluate(() => [100, 300, 500].map((y) => window.walkthrough.under(700, y)).join());
   const first = await findOnScreen(page, 'desk.7');
@@ -153,7 +140,7 @@ test('walking, looking, moving what is chosen, and everything as it was', async 
 });
 
 test('windows of other sizes', async () => {
-  const { page, context, complaints } = await open(browser, server.address);
+  const { page, context, complaints } = await open(on.browser, on.server.address);
   for (const [width, height] of [[320, 480], [1400, 300], [640, 900], [900, 560]]) {
     await page.setViewportSize({ width, height });
     await frame(page);
@@ -167,7 +154,7 @@ test('windows of other sizes', async () => {
 });
 
 test('fingers', async () => {
-  const { page, context, complaints } = await open(browser, server.address, { viewport: { width: 390, height: 760 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true });
+  const { page, context, complaints } = await open(on.browser, on.server.address, { viewport: { width: 390, height: 760 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true });
   const touches = await context.newCDPSession(page);
   const touch = (type, ...points) => touches.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
   assert.equal(await page.locator('#view').evaluate((view) => view.width), 780);
@@ -229,7 +216,7 @@ async function drop(page, name, bytes) {
 const settled = (page) => page.waitForFunction(() => !/…$/.test(document.querySelector('#message span').textContent));
 
 test('a GLB of one\'s own, dropped: it stands in the room, casts, receives, and can be moved', async () => {
-  const { page, context, complaints } = await open(browser, server.address);
+  const { page, context, complaints } = await open(on.browser, on.server.address);
   const begun = await frame(page);
   await drop(page, 'pyramid.glb', meshGlb(pyramid()));
   await settled(page);
@@ -255,7 +242,7 @@ test('a GLB of one\'s own, dropped: it stands in the room, casts, receives, and 
 });
 
 test('a GLB of one\'s own, chosen: it takes the room\'s place, with its lights or with a lamp', async () => {
-  const { page, context, complaints } = await open(browser, server.address);
+  const { page, context, complaints } = await open(on.browser, on.server.address);
   await page.selectOption('#where', 'alone');
   await page.locator('#file').setInputFiles({ name: 'carpet.glb', mimeType: 'model/gltf-binary', buffer: meshGlb(carpet(30)) });
   await settled(page);
@@ -284,7 +271,7 @@ test('a GLB of one\'s own, chosen: it takes the room\'s place, with its lights o
 });
 
 test('whatever is dropped, there are words for it, and the room stays usable', async () => {
-  const { page, context, complaints } = await open(browser, server.address);
+  const { page, context, complaints } = await open(on.browser, on.server.address);
   for (const [name, [bytes, says]] of Object.entries(hostile())) {
     await drop(page, name, bytes);
     await settled(page);
@@ -294,7 +281,7 @@ test('whatever is dropped, there are words for it, and the room stays usable', a
     assert.ok(await page.locator('#message').isVisible());
   }
   await isUsable(page);
-  const large = join(folder, 'large.glb');
+  const large = join(on.folder, 'large.glb');
   writeFileSync(large, meshGlb(pyramid()));
   truncateSync(large, 200 * 2 ** 20);
   await page.locator('#file').setInputFiles(large);
@@ -309,14 +296,14 @@ test('whatever is dropped, there are words for it, and the room stays usable', a
 
 test('more than the memory holds: words, and the room is there again', async () => {
   // 48 MiB, which the room fits in.
-  const page = await browser.newPage();
+  const page = await on.browser.newPage();
   await page.addInitScript(() => {
     const { Memory } = WebAssembly;
     WebAssembly.Memory = function (wanted) {
       return new Memory({ ...wanted, maximum: 768 });
     };
   });
-  const { complaints } = await open(browser, server.address, {}, page);
+  const { complaints } = await open(on.browser, on.server.address, {}, page);
   const { lit } = await frame(page);
   for (const where of ['room', 'alone']) {
     await page.selectOption('#where', where);
@@ -336,13 +323,13 @@ test('VR: a button where a headset is, words where it is not', async () => {
     [{ supported: false }, false, /no headset/],
     [{ supported: true }, true, /headset is there/],
   ]) {
-    const context = await browser.newContext();
+    const context = await on.browser.newContext();
     await context.addInitScript((xr) => {
       const fake = xr && { isSessionSupported: async () => xr.supported, requestSession: () => Promise.reject(new Error('the headset is busy')), addEventListener() {} };
       Object.defineProperty(navigator, 'xr', { value: fake });
     }, xr);
     const page = await context.newPage();
-    await page.goto(server.address);
+    await page.goto(on.server.address);
     await page.waitForFunction(() => document.querySelector('#vr-why').textContent !== '');
     assert.match(await page.locator('#vr-why').textContent(), says);
     assert.equal(await page.locator('#vr').isEnabled(), enabled);

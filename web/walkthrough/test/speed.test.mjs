@@ -3,11 +3,11 @@
 // other programs run too, the path is gone along several times (SHADOWCUT_RUNS): each move's shortest time is what it takes.
 import assert from 'node:assert/strict';
 import test from 'node:test';
+import { percentile } from '../src/meter.js';
 import { launch, open, serve } from './page.mjs';
 
 const moves = Number(process.env.SHADOWCUT_MOVES ?? 1000), runs = Number(process.env.SHADOWCUT_RUNS ?? 1);
-const at = (numbers, share) => Float64Array.from(numbers).sort()[Math.ceil(share * numbers.length) - 1];
-const say = (numbers) => `median ${at(numbers, 0.5).toFixed(3)} ms, 99 % under ${at(numbers, 0.99).toFixed(3)} ms, most ${at(numbers, 1).toFixed(3)} ms`;
+const say = (numbers) => `median ${percentile(numbers, 0.5).toFixed(3)} ms, 99 % under ${percentile(numbers, 0.99).toFixed(3)} ms, most ${percentile(numbers, 1).toFixed(3)} ms`;
 
 // Along the path once; what each update did.
 const along = (page, moves) =>
