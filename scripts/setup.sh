@@ -1,4 +1,4 @@
-# Sourced by run.sh and test.sh: installs what is missing on Debian 12 and builds. Works as root or with sudo.
+# Sourced by run.sh, test.sh and web.sh: installs what is missing on Debian 12 and builds. Works as root or with sudo.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -6,6 +6,7 @@ packages=(g++ cmake ninja-build libeigen3-dev libtinyobjloader-dev libassimp-dev
           nlohmann-json3-dev libtbb-dev libboost-dev libepoxy-dev libglfw3-dev libimgui-dev libx11-dev libpng-dev pkg-config libegl1 libgl1-mesa-dri "$@")
 missing=()
 for p in "${packages[@]}"; do
+  [ "$p" = npm ] && command -v npm >/dev/null && continue  # some packages of Node bring it along
   dpkg-query -W -f='${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || missing+=("$p")
 done
 if [ ${#missing[@]} -gt 0 ]; then

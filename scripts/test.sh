@@ -10,8 +10,7 @@ presets=(release)
 web=OFF
 if [ "${1:-}" = --web ] || [ "${1:-}" = --long ]; then
   web=ON
-  tools+=(emscripten nodejs chromium)
-  command -v npm >/dev/null || tools+=(npm)  # some packages of Node bring it along
+  tools+=(emscripten nodejs npm chromium)
 fi
 if [ "${1:-}" = --long ]; then
   budget="-max_total_time=600"

@@ -2,12 +2,10 @@
 # Installs what is missing, builds the WebAssembly package and the walkthrough, serves it and prints the address.
 #   scripts/web.sh            until Ctrl-C
 #   scripts/web.sh --build    stops before serving: web/walkthrough/dist can be served from anywhere
-tools=(emscripten nodejs)
-command -v npm >/dev/null || tools+=(npm)  # some packages of Node bring it along
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" "${tools[@]}"
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" emscripten nodejs npm
 cmake --preset wasm >/dev/null
 cmake --build --preset wasm
-cmake -DNPM="$(command -v npm)" -DWEB="$PWD/web" -P tests/web_install.cmake
+cmake -P web/install.cmake
 cd web/walkthrough
 npm run build
 [ "${1:-}" = --build ] && exit

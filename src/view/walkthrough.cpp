@@ -350,7 +350,7 @@ void Walkthrough::toggle_wind() {
   }
 }
 
-// It carries what stands highest by up to a sixth of the scene's height, back and forth in two directions that never agree.
+// It carries what stands highest by up to a seventh of the scene's height, back and forth in two directions that never agree.
 void Walkthrough::let_blow(double seconds) {
   *wind_ += seconds;
   const double height = box_.sizes().z();
