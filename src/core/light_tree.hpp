@@ -83,6 +83,7 @@ class LightTree final : public LightShadows {
     double nodes_per_entry = 0;
     std::uint64_t edits = 0;             // entries inserted since
     std::uint32_t changes_of_mover = 0;  // how often that was another object than the last few
+    std::uint32_t patience = 0;          // while that stays 0: twice as long at each step until the cell is built again
     struct Mover {
       std::uint32_t object;
       std::uint32_t update;  // in which it came last

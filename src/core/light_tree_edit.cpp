@@ -11,6 +11,7 @@ namespace {
 constexpr double growth_allowed = 1.1;      // of a cell, by edits
 constexpr std::uint64_t edits_allowed = 4;  // for each entry of a cell
 constexpr std::size_t most_movers = 4;      // that a cell keeps in mind
+constexpr std::uint32_t most_patience = 6;
 
 // A ray less certain than this has come too near to a far light for the numbers of its frame.
 constexpr float largest_ray_error = static_cast<float>(256 * unit_roundoff);
@@ -269,12 +270,12 @@ void LightTree::note_shattered(std::uint32_t c, std::uint32_t entry, std::uint32
 // Edits leave faces cut, and insert them in an order that nobody would choose. A cell that has grown by a fifth since it was built is built
 // again; and so is one that several objects have come to and left many times over, because what it should have grown to is then no longer
 // known. In the long run that costs in proportion to the growth, and to the edits. (An object that goes to and fro is no reason.) Where the
-// same objects move that moved before the cell was built, it waits until as much has been inserted as a build inserts: a desk that is
-// dragged through its cell would have it built again at every step.
+// same objects move that moved before the cell was built, it waits until as much has been inserted as a build inserts, and each time twice
+// as long: what a desk does to its cell while it is dragged through it, its next step does again.
 bool LightTree::has_grown(std::uint32_t c) const {
   const Fresh& fresh = fresh_[c];
   const std::size_t entries = cells_[c].live_entries();
-  if (fresh.changes_of_mover == 0 && fresh.edits < entries) return false;
+  if (fresh.changes_of_mover == 0 && fresh.edits < entries << fresh.patience) return false;
   return fresh.stirred ||
          static_cast<double>(cells_[c].live_nodes()) > growth_allowed * fresh.nodes_per_entry * static_cast<double>(entries) + 4 ||
          (fresh.edits > edits_allowed * entries + 64 && fresh.changes_of_mover >= most_movers);
@@ -326,6 +327,7 @@ void LightTree::build_again(std::uint32_t c, std::vector<std::uint32_t>& given_u
     live_[c].start_again(tree, target(), w);
     tree.set_live(&live_[c]);
   }
+  fresh_[c].patience = fresh_[c].changes_of_mover == 0 ? std::min(fresh_[c].patience + 1, most_patience) : 0;
   note_fresh(c);
   ++cells_built_again_[c];
 }
