@@ -177,7 +177,11 @@ class LightTree final : public LightShadows {
   void note_everything();
   template <class Edit>
   void edit_cells(std::span<const std::uint32_t> cells, std::size_t work, const Edit& edit);
-  void note(std::uint32_t face);
+  // Keeps what a face was before this update.
+  void note(std::uint32_t face) {
+    if (face >= noted_in_.size() || noted_in_[face] != update_) note_first(face);
+  }
+  void note_first(std::uint32_t face);
   void note_location_list(std::uint32_t object);
   void grow();
   void face_object(std::uint32_t object);
@@ -189,6 +193,7 @@ class LightTree final : public LightShadows {
   void insert_away(std::uint32_t facet);
   static double unit_for(double area);
   void count_face(const FaceArea& area, bool more);
+  void measure(std::uint32_t face);
   void total_up();
   void set_area(std::uint32_t face, const FaceArea& area);
   // Nothing but the smallest features is missing from a face's fragments, and they do not overlap.

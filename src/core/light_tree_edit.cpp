@@ -92,10 +92,8 @@ void LightTree::begin_update() {
   before_.clear();
 }
 
-// Keeps what a face was before this update.
-void LightTree::note(std::uint32_t face) {
+void LightTree::note_first(std::uint32_t face) {
   if (noted_in_.size() < scene_.faces().size()) noted_in_.resize(scene_.faces().size(), 0);
-  if (noted_in_[face] == update_) return;
   noted_in_[face] = update_;
   noted_.push_back({face, face < shadows_.areas.size() ? shadows_.areas[face] : FaceArea{}});
 }
@@ -505,15 +503,17 @@ void LightTree::count_face(const FaceArea& a, bool more) {
   dropped_area_.add(sign * a.dropped);
 }
 
-// The statistics' areas, after faces have changed: those that may have, or all.
+// The areas of faces, and the statistics': of those that may have changed, or all.
 void LightTree::total_up() {
   Stats& s = shadows_.stats;
   if (rebuilt_) {
+    for (std::uint32_t f = 0; f < shadows_.areas.size(); ++f) measure(f);
     facing_area_ = lit_area_ = shadowed_area_ = dropped_area_ = {};
     s.facing_faces = 0;
     for (const FaceArea& a : shadows_.areas) count_face(a, true);
   } else {
     for (const Old& old : noted_) {
+      measure(old.face);
       const FaceArea& now = shadows_.areas[old.face];
       if (differ(old.area, now)) count_face(old.area, false), count_face(now, true);
     }
@@ -522,7 +522,7 @@ void LightTree::total_up() {
   s.dropped_area = dropped_area_.value();
 }
 
-// A face has no fragments now; what it will have is counted as they come.
+// A face has no fragments now; what it will have is counted as they come, and measured when all have.
 void LightTree::set_area(std::uint32_t face, const FaceArea& area) {
   if (!is_live()) return;
   shadows_.areas[face] = area;
@@ -532,17 +532,25 @@ void LightTree::set_area(std::uint32_t face, const FaceArea& area) {
 
 void LightTree::absorb(const LiveCell::AreaChange& change) {
   note(change.face);
-  FaceArea& a = shadows_.areas[change.face];
   Units& u = units_[change.face];
   constexpr double most = 0x1p62;
-  const auto units = static_cast<std::int64_t>(std::nearbyint(std::min(change.area / u.unit, most)));
-  Count& sum = change.lit ? u.lit : u.shadowed;
-  sum += change.added ? units : -units;
-  (change.lit ? a.lit : a.shadowed) = static_cast<double>(sum) * u.unit;
-  set_dropped(a);
-  if (a.facing != Facing::toward) return;
+  const auto units = static_cast<std::int64_t>(std::min(change.area / u.unit, most));
+  (change.lit ? u.lit : u.shadowed) += change.added ? units : -units;
+  if (shadows_.areas[change.face].facing != Facing::toward) return;
   std::uint64_t& fragments = change.lit ? shadows_.stats.lit_fragments : shadows_.stats.shadowed_fragments;
   change.added ? ++fragments : --fragments;
+}
+
+// A face's areas from its units.
+void LightTree::measure(std::uint32_t face) {
+  const auto area = [](Count count, double unit) {
+    const auto short_count = static_cast<std::int64_t>(count);  // nearly always
+    return (short_count == count ? static_cast<double>(short_count) : static_cast<double>(count)) * unit;
+  };
+  FaceArea& a = shadows_.areas[face];
+  const Units& u = units_[face];
+  a.lit = area(u.lit, u.unit), a.shadowed = area(u.shadowed, u.unit);
+  set_dropped(a);
 }
 
 void LightTree::absorb(std::span<const std::uint32_t> cells) {
