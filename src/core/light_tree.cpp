@@ -400,17 +400,31 @@ void LightTree::link_entry(std::uint32_t cell, std::uint32_t entry) {
   head = {cell, entry};
 }
 
-// Sides turned away never entered: one shadowed fragment a facet, in a block of their own.
-void LightTree::emit_away(std::uint32_t i, CellOutput& away) const {
+// Sides turned away never entered: one shadowed fragment a facet, in a block of their own, which has room for its corners.
+Fragment LightTree::emit_away(std::uint32_t i, std::uint32_t first_corner, Block& away) const {
   const Facet& facet = scene_.facets()[i];
-  const auto first = static_cast<std::uint32_t>(away.block.corners.size());
+  std::uint32_t at = first_corner;
   for (const Corner& c : scene_.corners_of(facet)) {
-    away.block.corners.push_back(scene_.vertices()[c.vertex]);
-    if (target().keep_lines) away.edge_lines.push_back(c.edge >> 1);
-    if (target().constructions) away.block.constructions.push_back({{}, {}, c.vertex});
+    away.corners[at] = scene_.vertices()[c.vertex];
+    if (target().constructions) away.constructions[at] = {{}, {}, c.vertex};
+    ++at;
   }
   const FragmentId id{static_cast<std::uint32_t>(cells_.size()), i, none};
-  away.block.fragments.push_back({id, facet.face, i, none, first, facet.corner_count, false, area_of_facet(target(), i, false)});
+  return {id, facet.face, i, none, first_corner, facet.corner_count, false, area_of_facet(target(), i, false)};
+}
+
+void LightTree::emit_all_away(CellOutput& away) const {
+  Block& block = away.block;
+  for (std::uint32_t i = 0; i < scene_.facets().size(); ++i) {
+    if (!stands_away(i)) continue;
+    const auto first = static_cast<std::uint32_t>(block.corners.size());
+    const auto corners = scene_.corners_of(scene_.facets()[i]);
+    block.corners.resize(first + corners.size());
+    if (target().constructions) block.constructions.resize(block.corners.size());
+    block.fragments.push_back(emit_away(i, first, block));
+    if (!target().keep_lines) continue;
+    for (const Corner& c : corners) away.edge_lines.push_back(c.edge >> 1);
+  }
 }
 
 void LightTree::emit() {
@@ -421,9 +435,7 @@ void LightTree::emit() {
     emit_cell(cells_[cell], static_cast<std::uint32_t>(cell), options_.form != Form::pieces, to, workspaces_.local(), outputs[cell]);
     progress.step();
   });
-  for (std::uint32_t i = 0; i < scene_.facets().size(); ++i) {
-    if (stands_away(i)) emit_away(i, outputs.back());
-  }
+  emit_all_away(outputs.back());
   // Areas first: conforming moves corners by their last bits, and leaves out slivers that are nothing but those.
   fragment_areas_.assign(scene_.faces().size(), {});
   for (const CellOutput& o : outputs) {

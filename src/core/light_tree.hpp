@@ -159,7 +159,8 @@ class LightTree final : public LightShadows {
   bool is_live() const { return options_.edits && options_.form != Form::conforming; }
   void emit();
   void emit_live();
-  void emit_away(std::uint32_t facet, CellOutput& away) const;
+  Fragment emit_away(std::uint32_t facet, std::uint32_t first_corner, Block& away) const;
+  void emit_all_away(CellOutput& away) const;
   FaceArea whole_area(std::uint32_t face) const;
   void sum_up();
   CellSums sums_of(std::size_t cell) const;

@@ -72,11 +72,8 @@ void LightTree::emit_live() {
   away_.assign(scene_.facets().size(), none);
   away_born_.assign(scene_.facets().size(), update_);
   CellOutput out;
-  for (std::uint32_t i = 0; i < scene_.facets().size(); ++i) {
-    if (!stands_away(i)) continue;
-    away_[i] = static_cast<std::uint32_t>(out.block.fragments.size());
-    emit_away(i, out);
-  }
+  emit_all_away(out);
+  for (std::uint32_t i = 0; i < out.block.fragments.size(); ++i) away_[out.block.fragments[i].facet] = i;
   shadows_.blocks.back() = std::move(out.block);
   away_corners_.clear();
 }
@@ -460,15 +457,9 @@ void LightTree::take_lines(std::uint32_t o) {
 void LightTree::insert_away(std::uint32_t facet) {
   if (!is_live()) return;
   Block& block = shadows_.blocks.back();
-  CellOutput one;
-  emit_away(facet, one);
-  Fragment f = one.block.fragments[0];
-  f.first_corner = away_corners_.take(block.corners, f.corner_count);
-  std::copy(one.block.corners.begin(), one.block.corners.end(), block.corners.begin() + f.first_corner);
-  if (target().constructions) {
-    block.constructions.resize(block.corners.size());
-    std::copy(one.block.constructions.begin(), one.block.constructions.end(), block.constructions.begin() + f.first_corner);
-  }
+  const std::uint32_t first = away_corners_.take(block.corners, scene_.facets()[facet].corner_count);
+  if (target().constructions) block.constructions.resize(block.corners.size());
+  const Fragment f = emit_away(facet, first, block);
   away_[facet] = static_cast<std::uint32_t>(block.fragments.size());
   away_born_[facet] = update_;
   block.fragments.push_back(f);

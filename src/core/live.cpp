@@ -127,18 +127,18 @@ void LiveCell::settle(const CellTree& tree, const EmitTarget& target, Workspace&
 }
 
 void LiveCell::drop_below(const CellTree& tree, std::uint32_t top) {
-  std::vector<std::uint32_t> pending{top};
-  while (!pending.empty()) {
-    const std::uint32_t place = pending.back();
-    pending.pop_back();
+  places_.assign(1, top);
+  while (!places_.empty()) {
+    const std::uint32_t place = places_.back();
+    places_.pop_back();
     if (at_place_[place] != none) {  // settled: nothing hangs further down
       while (at_place_[place] != none) drop(at_place_[place]);
       continue;
     }
     const Child here = tree.child_at(place);
     if (!here.is_sp()) continue;
-    pending.push_back(here.node() * 2);
-    pending.push_back(here.node() * 2 + 1);
+    places_.push_back(here.node() * 2);
+    places_.push_back(here.node() * 2 + 1);
   }
 }
 

@@ -88,6 +88,7 @@ class LiveCell {
   std::uint32_t visits_ = 0;
   RangeList free_corners_;
   std::vector<std::uint32_t> changed_, added_pieces_;
+  std::vector<std::uint32_t> places_;  // still to be looked at, while one function runs
   std::vector<FragmentId> gone_, born_;
   std::vector<AreaChange> area_changes_;
 };
