@@ -40,6 +40,10 @@ Vec3 on_plane(const EmitTarget& target, std::uint32_t facet_id, const Real r[3])
   return x.allFinite() ? x : target.scene.vertices()[target.scene.corners_of(facet)[0].vertex];
 }
 
+const Vec3& normal_of(const EmitTarget& target, std::uint32_t facet) {
+  return target.scene.planes()[target.scene.facets()[facet].plane].normal;
+}
+
 class CellEmitter {
  public:
   CellEmitter(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target, Workspace& w, CellOutput& out)
@@ -228,35 +232,54 @@ bool corners_will_do(const EmitTarget& target, std::uint32_t facet) {
   return flatness * flatness <= flat * flat * area && !target.tables.grazed[facet];
 }
 
-double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t facet_id, std::span<const ConeCorner> cone,
+namespace {
+
+// The exact kernel's corners are the true ones, rounded.
+double place_exactly(const EmitTarget& target, const Lines& lines, std::uint32_t facet_id, std::span<const ConeCorner> cone,
                      PointCache& points, Vec3* out) {
-  const Facet& facet = target.scene.facets()[facet_id];
-  const Plane& plane = target.scene.planes()[facet.plane];
   const auto count = static_cast<std::uint32_t>(cone.size());
   const bool reversed = target.space.handedness() < 0;
+  const auto own = target.scene.corners_of(target.scene.facets()[facet_id]);
   // A corner where two edges of one of the facet's own vertices meet is that vertex.
   const auto vertex = [&](std::uint32_t i) {
-    if (cone[i].vertex != none || !lines.is_exact()) return cone[i].vertex;
+    if (cone[i].vertex != none) return cone[i].vertex;
     const std::uint32_t v = lines.shared_vertex(incoming(cone, i), cone[i].edge);
-    const auto own = target.scene.corners_of(facet);
     return std::any_of(own.begin(), own.end(), [v](const Corner& c) { return c.vertex == v; }) ? v : none;
   };
-  const auto at = [&](std::uint32_t i) {
-    return lines.is_exact() ? lines.point(cone, i, facet_id, points) : on_plane(target, facet_id, cone[i].r);
-  };
+  const auto at = [&](std::uint32_t i) { return lines.point(cone, i, facet_id, points); };
   for (std::uint32_t k = 0; k < count; ++k) {
     const std::uint32_t i = reversed ? count - 1 - k : k;
     const std::uint32_t v = vertex(i);
     out[k] = v == none ? at(i) : target.scene.vertices()[v];
   }
-  if (corners_will_do(target, facet_id)) {
-    AreaSum sum(out[0]);
-    for (std::uint32_t k = 1; k < count; ++k) sum.add(out[k]);
-    return sum.area(plane.normal);
+  const bool will_do = corners_will_do(target, facet_id);
+  AreaSum sum(will_do ? out[0] : at(0));
+  for (std::uint32_t k = 1; k < count; ++k) sum.add(will_do ? out[k] : at(k));
+  return sum.area(normal_of(target, facet_id));
+}
+
+}  // namespace
+
+double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t facet_id, std::span<const ConeCorner> cone,
+                     PointCache& points, Vec3* out) {
+  if (lines.is_exact()) return place_exactly(target, lines, facet_id, cone, points, out);
+  const std::size_t count = cone.size();
+  const bool reversed = target.space.handedness() < 0;
+  const Real* q = target.tables.planes[target.scene.facets()[facet_id].plane].q;
+  const Vec3* vertices = target.scene.vertices().data();
+  const auto at = [&](std::size_t i) -> Vec3 {
+    const Vec3 x = target.space.back(cone[i].r, q);
+    return x.allFinite() ? x : on_plane(target, facet_id, cone[i].r);
+  };
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = reversed ? count - 1 - k : k;
+    const std::uint32_t v = cone[i].vertex;
+    out[k] = v == none ? at(i) : vertices[v];
   }
-  AreaSum sum(at(0));
-  for (std::uint32_t k = 1; k < count; ++k) sum.add(at(k));
-  return sum.area(plane.normal);
+  const bool will_do = corners_will_do(target, facet_id);
+  AreaSum sum(will_do ? out[0] : at(0));
+  for (std::size_t k = 1; k < count; ++k) sum.add(will_do ? out[k] : at(k));
+  return sum.area(normal_of(target, facet_id));
 }
 
 void note_constructions(const EmitTarget& target, const Lines& lines, std::span<const ConeCorner> cone, std::size_t first, Block& block) {
