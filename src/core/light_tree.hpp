@@ -185,7 +185,9 @@ class LightTree final : public LightShadows {
   void note_first(std::uint32_t face);
   void note_location_list(std::uint32_t object);
   void grow();
-  void face_object(std::uint32_t object);
+  void face_objects(std::span<const std::uint32_t> objects);
+  void face_facets(const Object& object);
+  void fill_tables(const Object& object);
   void count_line(std::uint32_t line, bool kept);
   void leave_lines(std::uint32_t object);
   void give_lines_back(std::uint32_t object);
@@ -212,6 +214,7 @@ class LightTree final : public LightShadows {
   void build_again(std::uint32_t cell, std::vector<std::uint32_t>& given_up, Workspace& w);
   double size_in_order(std::uint32_t facet) const { return options_.order == Order::solid_angle ? solid_angle(facet) : 0.0; }
   bool suits_numbers(std::span<const std::uint32_t> objects) const;
+  Parts filter_into_cells(const std::vector<std::uint32_t>& order);
   void insert_into_cells(const std::vector<std::uint32_t>& order);
   void emit_again();
   void list_changes(LightChanges& changes);

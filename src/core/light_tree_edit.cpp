@@ -12,6 +12,7 @@ constexpr double growth_allowed = 1.1;      // of a cell, by edits
 constexpr std::uint64_t edits_allowed = 4;  // for each entry of a cell
 constexpr std::size_t most_movers = 4;      // that a cell keeps in mind
 constexpr std::uint32_t most_patience = 6;
+constexpr std::size_t worth_threads = 128;  // facets, or parts of them, that an edit has to do with
 
 // A ray less certain than this has come too near to a far light for the numbers of its frame.
 constexpr float largest_ray_error = static_cast<float>(256 * unit_roundoff);
@@ -123,8 +124,7 @@ void LightTree::edit_cells(std::span<const std::uint32_t> cells, std::size_t wor
     if (is_live()) live_[cells[i]].begin(shadows_.blocks[cells[i]], update_);
     edit(cells[i], i);
   };
-  constexpr std::size_t worth_it = 128;
-  if (cells.size() > 1 && work >= worth_it) {
+  if (cells.size() > 1 && work >= worth_threads) {
     parallel_for(cells.size(), 1, one);
   } else {
     for (std::size_t i = 0; i < cells.size(); ++i) one(i);
@@ -188,23 +188,44 @@ void LightTree::insert_objects(std::span<const std::uint32_t> objects) {
   grow();
   std::vector<std::uint32_t> alive;
   for (const std::uint32_t o : objects) {
-    const Object& object = scene_.objects()[o];
-    if (!object.alive) {
+    if (scene_.objects()[o].alive) {
+      alive.push_back(o);
+    } else {
       give_lines_back(o);
-      continue;
     }
-    alive.push_back(o);
-    face_object(o);
   }
+  face_objects(alive);
   insert_into_cells(by_object(alive, [this](std::uint32_t i) { return size_in_order(i); }));
   for (const std::uint32_t o : alive) note_location_list(o);
   batch_.clear();
 }
 
+// In chunks of a fixed size, so that the parts come in the same order whatever the number of threads.
+LightTree::Parts LightTree::filter_into_cells(const std::vector<std::uint32_t>& order) {
+  constexpr std::size_t chunk_size = worth_threads;
+  std::vector<Parts> chunks((order.size() + chunk_size - 1) / chunk_size);
+  const auto filter = [&](std::size_t c) {
+    Workspace& w = workspaces_.local();
+    for (std::size_t i = c * chunk_size; i < std::min(order.size(), (c + 1) * chunk_size); ++i) filter_into_cells(order[i], chunks[c], w);
+  };
+  if (chunks.empty()) return {};
+  if (chunks.size() == 1) return filter(0), std::move(chunks[0]);
+  parallel_for(chunks.size(), 1, filter);
+  Parts all;
+  for (const Parts& chunk : chunks) {
+    const auto first = static_cast<std::uint32_t>(all.corners.size());
+    all.corners.insert(all.corners.end(), chunk.corners.begin(), chunk.corners.end());
+    for (Parts::Part part : chunk.list) {
+      part.first_corner += first;
+      all.list.push_back(part);
+    }
+  }
+  return all;
+}
+
 // Filters facets through the prefix, and inserts their parts into the cells; settles what has been changed since objects were removed.
 void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
-  Parts parts;
-  for (const std::uint32_t facet : order) filter_into_cells(facet, parts, workspaces_.local());
+  Parts parts = filter_into_cells(order);
   std::stable_sort(parts.list.begin(), parts.list.end(), [](const Parts::Part& a, const Parts::Part& b) { return a.cell < b.cell; });
   std::vector<std::uint32_t> entries(parts.list.size());
   for (const Parts::Part& part : parts.list) batch_.push_back(part.cell);
@@ -362,42 +383,61 @@ void LightTree::grow() {
   to(units_, faces, Units{});
 }
 
-// Everything about an object that does not depend on other objects.
-void LightTree::face_object(std::uint32_t o) {
-  const Object& object = scene_.objects()[o];
-  if (is_exact()) note_for_exact(object, *tables_.exact);
+// Everything about objects that does not depend on other objects. What they share is done for one after the other.
+void LightTree::face_objects(std::span<const std::uint32_t> objects) {
+  std::size_t facets = 0;
+  for (const std::uint32_t o : objects) {
+    const Object& object = scene_.objects()[o];
+    facets += object.facet_count;
+    if (is_exact()) note_for_exact(object, *tables_.exact);
+  }
+  const auto for_each = [&](const auto& f) {
+    if (facets >= worth_threads) return parallel_for(objects.size(), 4, [&](std::size_t i) { f(scene_.objects()[objects[i]]); });
+    for (const std::uint32_t o : objects) f(scene_.objects()[o]);
+  };
+  for_each([this](const Object& object) { face_facets(object); });
+  for (const std::uint32_t o : objects) {
+    const Object& object = scene_.objects()[o];
+    const auto enters = enters_.begin() + object.first_facet;
+    if (std::find(enters, enters + object.facet_count, 1) != enters + object.facet_count) take_lines(o);
+    for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) note(f);
+  }
+  for_each([this](const Object& object) { fill_tables(object); });
+  for (const std::uint32_t o : objects) {
+    const Object& object = scene_.objects()[o];
+    shadows_.stats.faces += object.face_count;
+    for (std::uint32_t i = object.first_facet; i < object.first_facet + object.facet_count; ++i) {
+      shadows_.stats.facets += enters_[i];
+      if (stands_away(i)) insert_away(i);
+    }
+  }
+}
+
+void LightTree::face_facets(const Object& object) {
   const bool light_inside = holds_light(object);
-  bool any = false;
   for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
     const Face& face = scene_.faces()[f];
     const bool is_reached = reached(f);
-    for (std::uint32_t i = face.first_facet; i < face.first_facet + face.facet_count; ++i) {
-      face_facet(i, is_reached, light_inside);
-      if (!enters_[i]) continue;
-      any = true;
-      make_plane(scene_.facets()[i].plane);
-      ++shadows_.stats.facets;
-    }
+    for (std::uint32_t i = face.first_facet; i < face.first_facet + face.facet_count; ++i) face_facet(i, is_reached, light_inside);
+  }
+}
+
+// An object's part of the tables, and the whole areas of its faces.
+void LightTree::fill_tables(const Object& object) {
+  const auto facets_end = object.first_facet + object.facet_count;
+  bool any = false;
+  for (std::uint32_t i = object.first_facet; i < facets_end; ++i) {
+    if (!enters_[i]) continue;
+    any = true;
+    make_plane(scene_.facets()[i].plane);
   }
   if (any) {
-    take_lines(o);
-    const std::uint32_t shift = tables_.line_shift[o];
+    const std::uint32_t shift = tables_.line_shift[static_cast<std::size_t>(&object - scene_.objects().data())];
     for (std::uint32_t i = 0; i < object.vertex_count; ++i) make_ray(object.first_vertex + i);
     for (std::uint32_t i = object.first_edge; i < object.first_edge + object.edge_count; ++i) make_line(i, i + shift);
-    for (std::uint32_t i = object.first_facet; is_exact() && i < object.first_facet + object.facet_count; ++i) {
-      const bool entered = enters_[i];
-      face_exactly(i);
-      if (entered && !enters_[i]) --shadows_.stats.facets;
-    }
+    for (std::uint32_t i = object.first_facet; is_exact() && i < facets_end; ++i) face_exactly(i);
   }
-  for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
-    note(f);
-    set_area(f, whole_area(f));
-    ++shadows_.stats.faces;
-  }
-  for (std::uint32_t i = object.first_facet; i < object.first_facet + object.facet_count; ++i) {
-    if (stands_away(i)) insert_away(i);
-  }
+  for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) set_area(f, whole_area(f));
 }
 
 // Lines. Planes that an object leaves behind in the trees go on using the lines of its edges, so it gets others for its next pose.
