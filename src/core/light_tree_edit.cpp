@@ -611,6 +611,7 @@ void LightTree::finish_update(LightChanges& changes) {
   } else if (edited_) {
     list_differences(changes);
   }
+  changes.areas.reserve(noted_.size());
   for (const Old& old : noted_) {
     const FaceArea now = old.face < shadows_.areas.size() ? shadows_.areas[old.face] : FaceArea{};
     if (differ(old.area, now)) changes.areas.push_back({old.face, now});
@@ -643,6 +644,10 @@ void LightTree::list_all(LightChanges& changes) const {
 }
 
 void LightTree::list_changes(LightChanges& changes) {
+  std::size_t gone = changes.gone.size(), added = away_added_.size();
+  for (const std::uint32_t c : touched_) gone += live_[c].gone().size(), added += live_[c].most_added();
+  changes.gone.reserve(gone);
+  changes.added.reserve(added);
   for (const std::uint32_t c : touched_) {
     changes.gone.insert(changes.gone.end(), live_[c].gone().begin(), live_[c].gone().end());
     live_[c].list_added(changes.added);

@@ -50,6 +50,7 @@ class LiveCell {
   std::uint32_t find(FragmentId id) const;
   // Of this update.
   const std::vector<FragmentId>& gone() const { return gone_; }
+  std::size_t most_added() const { return born_.size(); }
   // All that was there before this update, gone by now or not.
   void list_old(const Block& block, std::uint32_t update, std::vector<FragmentId>& out) const;
   void list_added(std::vector<LightChanges::Added>& out);
