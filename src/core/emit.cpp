@@ -267,14 +267,20 @@ double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t
   const bool reversed = target.space.handedness() < 0;
   const Real* q = target.tables.planes[target.scene.facets()[facet_id].plane].q;
   const Vec3* vertices = target.scene.vertices().data();
-  const auto at = [&](std::size_t i) -> Vec3 {
-    const Vec3 x = target.space.back(cone[i].r, q);
-    return x.allFinite() ? x : on_plane(target, facet_id, cone[i].r);
-  };
+  if (corners_will_do(target, facet_id)) {
+    for (std::size_t k = 0; k < count; ++k) {
+      const ConeCorner& c = cone[reversed ? count - 1 - k : k];
+      out[k] = c.vertex == none ? target.space.back(c.r, q) : vertices[c.vertex];
+    }
+    AreaSum sum(out[0]);
+    for (std::size_t k = 1; k < count; ++k) sum.add(out[k]);
+    // Every corner has a part in it: no point at infinity hides from it.
+    if (const double area = sum.area(normal_of(target, facet_id)); std::isfinite(area)) return area;
+  }
+  const auto at = [&](std::size_t k) { return on_plane(target, facet_id, cone[reversed ? count - 1 - k : k].r); };
   for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t i = reversed ? count - 1 - k : k;
-    const std::uint32_t v = cone[i].vertex;
-    out[k] = v == none ? at(i) : vertices[v];
+    const std::uint32_t v = cone[reversed ? count - 1 - k : k].vertex;
+    out[k] = v == none ? at(k) : vertices[v];
   }
   const bool will_do = corners_will_do(target, facet_id);
   AreaSum sum(will_do ? out[0] : at(0));
