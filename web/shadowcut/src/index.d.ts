@@ -179,6 +179,8 @@ export interface Scene extends Disposable {
   objectId(index: number): ObjectId;
   lightId(index: number): LightId;
   object(id: ObjectId): SceneObject;
+  /** The first of an object's faces: object(id).firstFace, without reading the rest. */
+  firstFace(id: ObjectId): number;
   light(id: LightId): Light;
   /** What add() takes to make the object again as it stands. */
   given(id: ObjectId): { mesh: { positions: Float64Array; faces: number[][][] }; settings: Required<ObjectSettings> };

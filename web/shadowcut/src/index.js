@@ -215,6 +215,10 @@ class Scene extends Handle {
     const { module } = this;
     return module.within(() => module.struct('object', 'scene_object', this.at, module.putId(id)));
   }
+  firstFace(id) {
+    const { module } = this;
+    return module.within(() => module.member('object', 'firstFace', 'scene_object', this.at, module.putId(id)));
+  }
   light(id) {
     const { module } = this;
     return lightOf(module.within(() => module.struct('light', 'scene_light', this.at, module.putId(id))));
@@ -451,16 +455,19 @@ const elements = {
 
 class Buffers extends Handle {
   #doubles;
+  #info = null; // until the next change
   constructor(module, light, layout) {
     const index = light === 'all' ? none : light;
     super(module, module.within(() => module.value('buffers_create', index, module.put('bufferLayout', layout))), 'buffers');
     this.#doubles = layout?.doubles === true;
   }
   update(engine) {
+    this.#info = null;
     this.module.call('buffers_update', this.at, addressOf(this.module, engine, Engine));
   }
   fill(scene, shadows) {
     const { module } = this;
+    this.#info = null;
     const from = addressOf(module, scene, Scene);
     if (shadows instanceof LightSets) module.call('buffers_fill_sets', this.at, from, addressOf(module, shadows, LightSets));
     else module.call('buffers_fill', this.at, from, addressOf(module, shadows, Shadows));
@@ -468,10 +475,12 @@ class Buffers extends Handle {
   setOrigin(origin) {
     const { module } = this;
     if (origin?.length !== 3) throw new ShadowcutError('INVALID_ARGUMENT', 'an origin must have three numbers');
+    this.#info = null;
     module.within(() => module.call('buffers_set_origin', this.at, module.putArray(origin, Float64Array)));
   }
   get info() {
-    return this.module.struct('buffersInfo', 'buffers_get_info', this.at);
+    const { at } = this; // throws where there is nothing any more
+    return (this.#info ??= Object.freeze(this.module.struct('buffersInfo', 'buffers_get_info', at)));
   }
 
   // The stream where it is in the module's memory. A view dies with the buffers' next change, and with the memory's growth.

@@ -129,6 +129,15 @@ export class Module {
       return this.read(kind, at);
     });
   }
+  // The same, of which one member is wanted.
+  member(kind, member, name, ...args) {
+    return this.within(() => {
+      const at = this.begin(kind);
+      this.call(name, ...args, at);
+      const found = structs[kind].members.find((m) => m.name === member);
+      return this.readMember(found, at + found.offset, found.shape);
+    });
+  }
   // The same for `count` elements from `first` on; name(..., first, count, elements).
   list(kind, first, count, name, ...args) {
     return this.within(() => {

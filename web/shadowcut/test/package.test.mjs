@@ -173,6 +173,7 @@ test('what a scene was given it gives back', () => {
   assert.deepEqual(copy.tolerances, { flatness: 1e-6, coplanarity: 1e-12 });
   const indexed = copy.add({ positions: new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]), indices: new Uint16Array([0, 1, 2]) });
   assert.equal(copy.object(indexed).faceCount, 1);
+  assert.equal(copy.firstFace(indexed), copy.object(indexed).firstFace);
   assert.ok(copy.changedSince(0).includes(indexed.index));
   const shadows = shadowcut.castShadows(copy, { at: [0.5, 0.5, 5] }, { kernel: 'exact', form: 'conforming' });
   assert.ok(shadows.stats.litArea > 0);

@@ -75,10 +75,10 @@ class Frame {
     }
   }
 
-  // At a point of the triangle, less the origin.
-  interpolate(x, y, z, out, at) {
-    const f = this.#edges, u = this.#u, v = this.#v;
-    const pu = (u === 0 ? x : y) - f[0], pv = (v === 2 ? z : y) - f[1];
+  // At a point of the triangle, less the origin: three of `positions`, from `from` on. (Numbers handed over by themselves would be garbage.)
+  interpolate(positions, from, out, at) {
+    const f = this.#edges;
+    const pu = positions[from + this.#u] - f[0], pv = positions[from + this.#v] - f[1];
     let b = pu * f[5] - pv * f[4], c = pv * f[2] - pu * f[3];
     if (this.#isTriangle) {
       // Rounding must not leave it: of a needle it would by far.

@@ -391,11 +391,10 @@ export class FragmentGeometry {
         frame = reader.read(instances[objects[v]], face, this.origin);
       }
       const at = v * stride;
-      const x = positions[3 * v], y = positions[3 * v + 1], z = positions[3 * v + 2];
-      out[at] = x, out[at + 1] = y, out[at + 2] = z;
+      out[at] = positions[3 * v], out[at + 1] = positions[3 * v + 1], out[at + 2] = positions[3 * v + 2];
       if (states !== null) out[at + 6] = states[v];
       else this.#writeMask(v, at + 6);
-      frame.interpolate(x, y, z, out, at + inherited);
+      frame.interpolate(positions, 3 * v, out, at + inherited);
     }
   }
   // Of whole fragments: what moves both edges at a corner outward by one, in the face's plane; no more than four at sharp corners.

@@ -98,7 +98,7 @@ export class Mirror {
       const { children } = object;
       for (let i = children.length - 1; i >= 0; --i) stack.push(children[i]); // in three.js' order
     }
-    for (const [mesh, entry] of this.#entries) if (entry.stamp !== this.#stamp) this.#forget(mesh, entry);
+    for (const entry of this.#entries.values()) if (entry.stamp !== this.#stamp) this.#forget(entry.mesh, entry);
     for (const [light, known] of this.#lights) if (known.stamp !== this.#stamp) this.#forgetLight(light, known);
     this.#standInForLights();
     if (this.#recheck) this.#listRefused();
@@ -296,7 +296,7 @@ export class Mirror {
   }
   // The object's faces may have got another place.
   #edit(instance) {
-    instance.firstFace = this.#scene.object(instance.id).firstFace;
+    instance.firstFace = this.#scene.firstFace(instance.id);
     this.edited = true;
   }
 
