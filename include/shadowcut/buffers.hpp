@@ -16,7 +16,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <shadowcut/shadows.hpp>
 #include <span>
 #include <unordered_map>
@@ -101,6 +100,10 @@ class FragmentBuffers {
   struct Place {  // of a fragment
     std::uint32_t first_vertex, first_index, corners;
   };
+  struct Hole {
+    Place place;
+    std::uint64_t made;  // in which update
+  };
   struct Source {  // what all vertices of a fragment have in common
     std::uint32_t face, facet;
     bool lit;
@@ -111,6 +114,16 @@ class FragmentBuffers {
       return static_cast<std::size_t>((id.cell * std::uint64_t{0x9E3779B97F4A7C15} ^ id.piece) * std::uint64_t{0xC2B2AE3D27D4EB4F} ^
                                       id.place);
     }
+  };
+
+  using Places = std::unordered_map<FragmentId, Place, IdHash>;
+  struct Spare {
+    Spare() = default;
+    Spare(const Spare&) {}
+    Spare(Spare&&) = default;
+    Spare& operator=(const Spare&) { return *this; }
+    Spare& operator=(Spare&&) = default;
+    std::vector<Places::node_type> nodes;
   };
 
   std::uint32_t vertices_of(std::uint32_t corners) const { return layout_.indexed ? corners : 3 * (corners - 2); }
@@ -144,10 +157,12 @@ class FragmentBuffers {
   std::vector<std::uint32_t> faces_, objects_, masks_, indices_;
   std::vector<std::uint8_t> states_;
 
-  std::unordered_map<FragmentId, Place, IdHash> places_;  // one light's
-  std::vector<std::vector<Place>> places_of_face_;        // all lights'
-  std::map<std::uint32_t, std::vector<Place>> holes_;     // by their number of corners
-  std::vector<Place> touched_;                            // since the update began
+  Places places_;                                   // one light's
+  Spare spare_;                                     // room in them, for what comes
+  std::vector<std::vector<Place>> places_of_face_;  // all lights'
+  std::vector<std::vector<Hole>> holes_;            // by their number of corners
+  std::vector<Place> touched_;                      // since the update began, each once
+  std::uint64_t updates_ = 0;
   bool anew_ = false, grown_ = false;
   std::vector<Range> changed_vertices_, changed_indices_;
   std::vector<std::uint32_t> mask_;  // of the fragment at hand

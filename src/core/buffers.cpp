@@ -66,6 +66,7 @@ void FragmentBuffers::begin() {
   seen_ = 0;
   anew_ = grown_ = false;
   touched_.clear();
+  ++updates_;
 }
 
 void FragmentBuffers::follow(const Engine& engine, const Changes& changes, bool next) {
@@ -93,7 +94,7 @@ void FragmentBuffers::refill(const Engine& engine) {
 
 void FragmentBuffers::clear() {
   anew_ = true;
-  places_.clear(), places_of_face_.clear(), holes_.clear(), touched_.clear();
+  places_.clear(), spare_.nodes.clear(), places_of_face_.clear(), holes_.clear(), touched_.clear();
   vertex_count_ = index_count_ = fragment_count_ = hole_vertices_ = 0;
   if (light_ != all_lights) set_mask_words(std::size_t{light_} + 1);
 }
@@ -104,7 +105,7 @@ void FragmentBuffers::apply(const Engine& engine, const LightChanges& change) {
     const auto at = places_.find(id);
     if (at == places_.end()) continue;  // it was not shown
     remove(at->second);
-    places_.erase(at);
+    spare_.nodes.push_back(places_.extract(at));
   }
   const Shadows& shadows = engine.shadows(light_);
   for (const LightChanges::Added& a : change.added) {
@@ -143,7 +144,15 @@ void FragmentBuffers::add_fragment(const Scene& scene, const Block& block, const
   if (!shows(fragment.lit)) return;
   mask_.assign(mask_words_, 0);
   if (fragment.lit && mask_words_ > 0) mask_[light_ / 32] = std::uint32_t{1} << (light_ % 32);
-  places_.insert_or_assign(fragment.id, add(scene, {fragment.face, fragment.facet, fragment.lit, mask_}, block.corners_of(fragment)));
+  const Place place = add(scene, {fragment.face, fragment.facet, fragment.lit, mask_}, block.corners_of(fragment));
+  if (spare_.nodes.empty()) {
+    places_.emplace(fragment.id, place);
+    return;
+  }
+  Places::node_type node = std::move(spare_.nodes.back());
+  spare_.nodes.pop_back();
+  node.key() = fragment.id, node.mapped() = place;
+  places_.insert(std::move(node));
 }
 
 void FragmentBuffers::add_sets(const Scene& scene, const LightSets& sets) {
@@ -180,7 +189,6 @@ FragmentBuffers::Place FragmentBuffers::add(const Scene& scene, const Source& so
       for (const std::uint32_t k : {0u, i - 1, i}) write_position(vertex++, corners_[k]);
   }
   ++fragment_count_;
-  if (!anew_) touched_.push_back(place);
   return place;
 }
 
@@ -189,7 +197,8 @@ void FragmentBuffers::remove(const Place& place) {
   write_source(place.first_vertex, vertices, {none, none, false, {}}, none, Vec3::Zero());
   for (std::uint32_t v = place.first_vertex; v < place.first_vertex + vertices; ++v) write_position(v, layout_.origin);
   std::fill_n(indices_.begin() + place.first_index, indices, place.first_vertex);
-  holes_[place.corners].push_back(place);
+  if (place.corners >= holes_.size()) holes_.resize(place.corners + 1);
+  holes_[place.corners].push_back({place, updates_});
   hole_vertices_ += vertices;
   --fragment_count_;
   if (!anew_) touched_.push_back(place);
@@ -197,15 +206,17 @@ void FragmentBuffers::remove(const Place& place) {
 
 FragmentBuffers::Place FragmentBuffers::take(std::uint32_t corners) {
   const std::uint32_t vertices = vertices_of(corners), indices = indices_of(corners);
-  if (const auto holes = holes_.find(corners); holes != holes_.end() && !holes->second.empty()) {
-    const Place place = holes->second.back();
-    holes->second.pop_back();
+  if (corners < holes_.size() && !holes_[corners].empty()) {
+    const Hole hole = holes_[corners].back();
+    holes_[corners].pop_back();
     hole_vertices_ -= vertices;
-    return place;
+    if (!anew_ && hole.made != updates_) touched_.push_back(hole.place);
+    return hole.place;
   }
   const Place place{vertex_count_, index_count_, corners};
   make_room(std::uint64_t{vertex_count_} + vertices, std::uint64_t{index_count_} + indices);
   vertex_count_ += vertices, index_count_ += indices;
+  if (!anew_) touched_.push_back(place);
   return place;
 }
 

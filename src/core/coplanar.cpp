@@ -290,17 +290,18 @@ bool parallel(const Vec3& m, const Vec3& n) {
 // about the wall's far end.
 Plane common_plane(const Figure& figure, std::span<const Patch> patches, std::span<const std::uint32_t> group, Plane leader) {
   const Vec3 origin = leader.point;
-  bool in_it = true;
-  Vec3 far = Vec3::Zero();
   const auto for_group = [&](const auto& act) {
     for (const std::uint32_t p : group) for_corners(figure, patches[p], act);
   };
+  bool in_it = true;
+  for_group([&](const Vec3& x) { in_it = in_it && contains(leader, x); });
+  if (in_it) return leader;
+  Vec3 far = Vec3::Zero();
+  double longest = 0;
   for_group([&](const Vec3& x) {
     const Vec3 d = x - origin;
-    in_it = in_it && contains(leader, x);
-    if (d.stableNorm() > far.stableNorm()) far = d;
+    if (const double length = d.stableNorm(); length > longest) far = d, longest = length;
   });
-  if (in_it) return leader;
   const double unit = unit_for(far.cwiseAbs().maxCoeff());
   far *= unit;
   Vec3 normal = Vec3::Zero();
