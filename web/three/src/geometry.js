@@ -15,7 +15,7 @@ import { bitsPerNumber } from './materials.js';
 import { carried } from './sources.js';
 
 const none = 0xffffffff;
-const joinedVertexBytes = 2048; // ranges with no more than this between them are uploaded as one
+const joinedVertexBytes = 8192; // ranges with no more than this between them are uploaded as one
 const joinedIndices = 512;
 const mostRanges = 256; // that wait for a renderer
 

@@ -460,6 +460,7 @@ export function begin(engine, room) {
 //   poses()         of all that the engine has, by name: sixteen numbers, row by row, local to world; and lights: where the points are
 //   under(x, y)     the name of what can be dragged there, in CSS pixels
 //   place(name, at) puts a thing there by itself, without what it carries
+//   undrawn(name, at)  the same, and at once all that a frame does but for the drawing: everything is uploaded, no material is visible
 //   asNative()      builds anew, as `shadowcut replay` does: the file's triangles are not joined to polygons, cells are as large as the engine likes
 window.walkthrough = {
   frame: () => app.nextFrame(),
@@ -475,6 +476,16 @@ window.walkthrough = {
     return hit?.movable && app.nameOfMovable(hit.movable);
   },
   place: (name, at) => void app.world.movables.get(name).position.fromArray(at),
+  undrawn: (name, at) => {
+    const all = [];
+    app.world.scene.traverse(({ material }) => material && all.push(...[material].flat().filter(({ visible }) => visible)));
+    window.walkthrough.place(name, at);
+    all.forEach((material) => (material.visible = false));
+    const frame = app.nextFrame();
+    app.draw();
+    all.forEach((material) => (material.visible = true));
+    return frame;
+  },
   asNative: () => {
     app.asNative = { joins: false, facetsPerCell: 128 };
     app.follow();
