@@ -18,7 +18,6 @@
 #include <cstdint>
 #include <shadowcut/shadows.hpp>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 namespace shadowcut {
@@ -109,21 +108,21 @@ class FragmentBuffers {
     bool lit;
     std::span<const std::uint32_t> mask;
   };
-  struct IdHash {
-    std::size_t operator()(const FragmentId& id) const {
-      return static_cast<std::size_t>((id.cell * std::uint64_t{0x9E3779B97F4A7C15} ^ id.piece) * std::uint64_t{0xC2B2AE3D27D4EB4F} ^
-                                      id.place);
-    }
-  };
+  class Places {  // by the ids of fragments: a table with open addressing, for a look at it is one at the memory
+   public:
+    void clear();
+    void insert(FragmentId id, const Place& place);  // of an id that is not there
+    Place take(FragmentId id);                       // out of the table; without corners where there is none
 
-  using Places = std::unordered_map<FragmentId, Place, IdHash>;
-  struct Spare {
-    Spare() = default;
-    Spare(const Spare&) {}
-    Spare(Spare&&) = default;
-    Spare& operator=(const Spare&) { return *this; }
-    Spare& operator=(Spare&&) = default;
-    std::vector<Places::node_type> nodes;
+   private:
+    struct Slot {
+      FragmentId id;
+      Place place;  // without corners: empty
+    };
+    std::size_t home(FragmentId id) const;
+    std::size_t next(std::size_t slot) const { return (slot + 1) & (slots_.size() - 1); }
+    std::vector<Slot> slots_;  // as many as a power of two, and half of them empty
+    std::size_t count_ = 0;
   };
 
   std::uint32_t vertices_of(std::uint32_t corners) const { return layout_.indexed ? corners : 3 * (corners - 2); }
@@ -158,7 +157,6 @@ class FragmentBuffers {
   std::vector<std::uint8_t> states_;
 
   Places places_;                                   // one light's
-  Spare spare_;                                     // room in them, for what comes
   std::vector<std::vector<Place>> places_of_face_;  // all lights'
   std::vector<std::vector<Hole>> holes_;            // by their number of corners
   std::vector<Place> touched_;                      // since the update began, each once

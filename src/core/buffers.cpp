@@ -6,6 +6,7 @@
 #include <string>
 
 #include "free_list.hpp"
+#include "id_table.hpp"
 
 namespace shadowcut {
 namespace {
@@ -18,6 +19,50 @@ void turn_to_front(std::vector<Vec3>& corners, const Vec3& normal) {
 }
 
 }  // namespace
+
+void FragmentBuffers::Places::clear() {
+  slots_.clear();
+  count_ = 0;
+}
+
+std::size_t FragmentBuffers::Places::home(FragmentId id) const {
+  return mix((std::uint64_t{id.cell} << 32 | id.piece) ^ mix(id.place)) & (slots_.size() - 1);
+}
+
+void FragmentBuffers::Places::insert(FragmentId id, const Place& place) {
+  if (2 * (count_ + 1) > slots_.size()) {
+    std::vector<Slot> old(std::max<std::size_t>(16, 2 * slots_.size()));
+    old.swap(slots_);
+    count_ = 0;
+    for (const Slot& slot : old) {
+      if (slot.place.corners != 0) insert(slot.id, slot.place);
+    }
+  }
+  std::size_t at = home(id);
+  while (slots_[at].place.corners != 0) at = next(at);
+  slots_[at] = {id, place};
+  ++count_;
+}
+
+FragmentBuffers::Place FragmentBuffers::Places::take(FragmentId id) {
+  if (count_ == 0) return {};
+  std::size_t at = home(id);
+  while (slots_[at].place.corners != 0 && !(slots_[at].id == id)) at = next(at);
+  const Place place = slots_[at].place;
+  if (place.corners == 0) return place;
+  --count_;
+  // What comes after it moves up where it may, so that no gap stands between a fragment's home and its slot.
+  for (std::size_t gap = at;;) {
+    slots_[gap] = {};
+    std::size_t from = gap;
+    do {
+      from = next(from);
+      if (slots_[from].place.corners == 0) return place;
+    } while (((from - home(slots_[from].id)) & (slots_.size() - 1)) < ((from - gap) & (slots_.size() - 1)));
+    slots_[gap] = slots_[from];
+    gap = from;
+  }
+}
 
 FragmentBuffers::FragmentBuffers(std::uint32_t light, const BufferLayout& layout) : light_(light), layout_(layout) {
   if (!(layout.hole_share >= 0 && layout.hole_share <= 1)) throw Error("the share of holes must be between 0 and 1");
@@ -94,7 +139,7 @@ void FragmentBuffers::refill(const Engine& engine) {
 
 void FragmentBuffers::clear() {
   anew_ = true;
-  places_.clear(), spare_.nodes.clear(), places_of_face_.clear(), holes_.clear(), touched_.clear();
+  places_.clear(), places_of_face_.clear(), holes_.clear(), touched_.clear();
   vertex_count_ = index_count_ = fragment_count_ = hole_vertices_ = 0;
   if (light_ != all_lights) set_mask_words(std::size_t{light_} + 1);
 }
@@ -102,10 +147,7 @@ void FragmentBuffers::clear() {
 void FragmentBuffers::apply(const Engine& engine, const LightChanges& change) {
   if (change.removed || change.rebuilt) return refill(engine);
   for (const FragmentId& id : change.gone) {
-    const auto at = places_.find(id);
-    if (at == places_.end()) continue;  // it was not shown
-    remove(at->second);
-    spare_.nodes.push_back(places_.extract(at));
+    if (const Place place = places_.take(id); place.corners != 0) remove(place);  // otherwise it was not shown
   }
   const Shadows& shadows = engine.shadows(light_);
   for (const LightChanges::Added& a : change.added) {
@@ -145,14 +187,7 @@ void FragmentBuffers::add_fragment(const Scene& scene, const Block& block, const
   mask_.assign(mask_words_, 0);
   if (fragment.lit && mask_words_ > 0) mask_[light_ / 32] = std::uint32_t{1} << (light_ % 32);
   const Place place = add(scene, {fragment.face, fragment.facet, fragment.lit, mask_}, block.corners_of(fragment));
-  if (spare_.nodes.empty()) {
-    places_.emplace(fragment.id, place);
-    return;
-  }
-  Places::node_type node = std::move(spare_.nodes.back());
-  spare_.nodes.pop_back();
-  node.key() = fragment.id, node.mapped() = place;
-  places_.insert(std::move(node));
+  places_.insert(fragment.id, place);
 }
 
 void FragmentBuffers::add_sets(const Scene& scene, const LightSets& sets) {
