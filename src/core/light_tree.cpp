@@ -468,7 +468,7 @@ void LightTree::sum_up() {
     units_.assign(areas.size(), {});
     for (std::uint32_t f = 0; f < areas.size(); ++f) {
       s.faces += scene_.faces()[f].object != none;
-      units_[f].unit = unit_for(areas[f].area);
+      units_[f] = {unit_for(areas[f].area), areas[f].facing == Facing::toward};
     }
     for (LiveCell& cell : live_) {
       for (const LiveCell::AreaChange& change : cell.area_changes()) absorb(change);

@@ -95,6 +95,7 @@ class LightTree final : public LightShadows {
   __extension__ using Count = __int128;  // of as many fragments as there may be, each of up to 2^62 units
   struct Units {                         // a face's areas as whole numbers of a unit of its own, so that adding and taking away is exact
     double unit = 1;
+    bool faces_light = false;
     Count lit = 0, shadowed = 0;
   };
   // A facet as the light sees it, exactly: nearly always its loop is convex.
@@ -195,7 +196,7 @@ class LightTree final : public LightShadows {
   void remove_away(std::uint32_t facet);
   void insert_away(std::uint32_t facet);
   static double unit_for(double area);
-  void count_face(const FaceArea& area, bool more);
+  void count_face(const FaceArea& before, const FaceArea& now);
   void measure(std::uint32_t face);
   void total_up();
   void set_area(std::uint32_t face, const FaceArea& area);

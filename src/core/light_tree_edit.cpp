@@ -526,12 +526,15 @@ void LightTree::remove_away(std::uint32_t facet) {
 // A power of two: the face's area is about 2^60 of it.
 double LightTree::unit_for(double area) { return area > 0 && std::isfinite(area) ? std::ldexp(1.0, std::ilogb(area) - 60) : 1.0; }
 
-void LightTree::count_face(const FaceArea& a, bool more) {
-  if (a.facing != Facing::toward) return;
-  more ? ++shadows_.stats.facing_faces : --shadows_.stats.facing_faces;
-  const double sign = more ? 1 : -1;
-  facing_area_.add(sign * a.area), lit_area_.add(sign * a.lit), shadowed_area_.add(sign * a.shadowed);
-  dropped_area_.add(sign * a.dropped);
+void LightTree::count_face(const FaceArea& before, const FaceArea& now) {
+  const bool was = before.facing == Facing::toward, is = now.facing == Facing::toward;
+  shadows_.stats.facing_faces += is, shadows_.stats.facing_faces -= was;
+  const auto count = [&](Sum& sum, double FaceArea::*area) {
+    const double old = was ? before.*area : 0, fresh = is ? now.*area : 0;
+    if (old != fresh) sum.add(-old), sum.add(fresh);
+  };
+  count(facing_area_, &FaceArea::area), count(lit_area_, &FaceArea::lit), count(shadowed_area_, &FaceArea::shadowed);
+  count(dropped_area_, &FaceArea::dropped);
 }
 
 // The areas of faces, and the statistics': of those that may have changed, or all.
@@ -541,12 +544,11 @@ void LightTree::total_up() {
     for (std::uint32_t f = 0; f < shadows_.areas.size(); ++f) measure(f);
     facing_area_ = lit_area_ = shadowed_area_ = dropped_area_ = {};
     s.facing_faces = 0;
-    for (const FaceArea& a : shadows_.areas) count_face(a, true);
+    for (const FaceArea& a : shadows_.areas) count_face({}, a);
   } else {
     for (const Old& old : noted_) {
       measure(old.face);
-      const FaceArea& now = shadows_.areas[old.face];
-      if (differ(old.area, now)) count_face(old.area, false), count_face(now, true);
+      count_face(old.area, shadows_.areas[old.face]);
     }
   }
   s.facing_area = facing_area_.value(), s.lit_area = lit_area_.value(), s.shadowed_area = shadowed_area_.value();
@@ -558,7 +560,7 @@ void LightTree::set_area(std::uint32_t face, const FaceArea& area) {
   if (!is_live()) return;
   shadows_.areas[face] = area;
   set_dropped(shadows_.areas[face]);
-  units_[face] = {unit_for(area.area), 0, 0};
+  units_[face] = {unit_for(area.area), area.facing == Facing::toward};
 }
 
 void LightTree::absorb(const LiveCell::AreaChange& change) {
@@ -567,7 +569,7 @@ void LightTree::absorb(const LiveCell::AreaChange& change) {
   constexpr double most = 0x1p62;
   const auto units = static_cast<std::int64_t>(std::min(change.area / u.unit, most));
   (change.lit ? u.lit : u.shadowed) += change.added ? units : -units;
-  if (shadows_.areas[change.face].facing != Facing::toward) return;
+  if (!u.faces_light) return;
   std::uint64_t& fragments = change.lit ? shadows_.stats.lit_fragments : shadows_.stats.shadowed_fragments;
   change.added ? ++fragments : --fragments;
 }
