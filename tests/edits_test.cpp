@@ -760,6 +760,66 @@ void in_every_form(const Play& play) {
   }
 }
 
+// Edits large enough to be spread over threads: two buildings of five of a city at once. (Of more, all would be built anew.)
+TEST(Moves, ManyAtOnceSameBitsOnAnyNumberOfThreads) {
+  for (const Kernel kernel : {Kernel::fast, Kernel::exact, Kernel::single}) {
+    const SceneData data = scenes::city(12);
+    Scene scene = scenes::build(data);
+    std::vector<std::unique_ptr<Engine>> engines;
+    for (const unsigned threads : {1u, 2u, 3u}) {
+      Options options;
+      options.kernel = kernel;
+      options.threads = threads;
+      options.facets_per_cell = 32;
+      engines.push_back(std::make_unique<Engine>(scene, options));
+      engines.back()->update();
+    }
+    for (int k = 1; k <= 6; ++k) {
+      SCOPED_TRACE("kernel " + std::to_string(static_cast<int>(kernel)) + ", move " + std::to_string(k));
+      for (std::size_t i = 1; i < scene.objects().size(); ++i) {
+        if (i % 5 > 1) continue;
+        Pose pose = scene.objects()[i].pose;
+        pose.pretranslate(Vec3(k % 2 ? 0.05 : -0.05, 0.01 * static_cast<double>(i % 3), 0));
+        ASSERT_EQ(scene.set_pose(scene.object_id(i), pose), Edit::done);
+      }
+      std::vector<const Changes*> changes;
+      for (const auto& engine : engines) changes.push_back(&engine->update());
+      ASSERT_EQ(changes[0]->lights.size(), 1u);
+      EXPECT_FALSE(changes[0]->lights[0].rebuilt);
+      for (const std::size_t other : {1u, 2u}) {
+        ASSERT_EQ(check_identical(*changes[0], *changes[other]), "");
+        ASSERT_EQ(check_identical(engines[0]->shadows(0), engines[other]->shadows(0)), "");
+      }
+      ASSERT_EQ(engines[1]->validate(), "");
+      if (kernel == Kernel::single) continue;  // floats have errors of their own
+      ASSERT_EQ(check_lights(*engines[1], 1, true), "");
+    }
+  }
+}
+
+// A desk's top, which comes last, cuts all of its cell. That is so again after the next step, however often the cell is built again.
+TEST(Moves, DraggedDeskSeldomHasItsCellBuiltAgain) {
+  Scene scene = scenes::build(scenes::furnished_room());
+  const auto desk = std::find_if(scene.objects().begin(), scene.objects().end(), [](const Object& o) { return o.name == "desk.5"; });
+  ASSERT_NE(desk, scene.objects().end());
+  const ObjectId id = scene.object_id(static_cast<std::size_t>(desk - scene.objects().begin()));
+  const Pose home = desk->pose;
+  Options options;
+  options.threads = 1;
+  Engine engine(scene, options);
+  engine.update();
+  for (int k = 1; k <= 600; ++k) {
+    SCOPED_TRACE("move " + std::to_string(k));
+    ASSERT_EQ(scene.set_pose(id, Eigen::Translation3d(k % 2 ? 0.05 : 0, 0.03 * std::sin(0.1 * k), 0) * home), Edit::done);
+    engine.update();
+    if (k % 100 != 0) continue;
+    ASSERT_EQ(engine.validate(), "");
+    ASSERT_EQ(check_lights(engine, 1, true), "");
+    EXPECT_LE(static_cast<double>(engine.shadows(0).stats.nodes), kRot * static_cast<double>(nodes_of_new(scene, options)));
+  }
+  EXPECT_LE(engine.shadows(0).stats.cells_built_again, 20u);
+}
+
 TEST(Moves, CubeSlidesThroughTheLight) {
   in_every_form([](Theatre& t) {
     t.ground();
