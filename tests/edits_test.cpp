@@ -820,6 +820,37 @@ TEST(Moves, DraggedDeskSeldomHasItsCellBuiltAgain) {
   EXPECT_LE(engine.shadows(0).stats.cells_built_again, 20u);
 }
 
+// Of several that take turns each is cut by the others, and cuts them, a little more at every step.
+TEST(Moves, DesksTakingTurnsDoNotRot) {
+  Scene scene = scenes::build(scenes::furnished_room());
+  std::vector<ObjectId> desks;
+  std::vector<Pose> homes;
+  for (std::size_t i = 0; i < scene.objects().size() && desks.size() < 3; ++i) {
+    if (scene.objects()[i].name.rfind("desk", 0) != 0) continue;
+    desks.push_back(scene.object_id(i));
+    homes.push_back(scene.objects()[i].pose);
+  }
+  ASSERT_EQ(desks.size(), 3u);
+  Options options;
+  options.threads = 1;
+  Engine engine(scene, options);
+  engine.update();
+  Random random(3);
+  Vec3 by = Vec3::Zero();
+  const auto step = [&](double at) { return std::clamp(at + 0.06 * random.unit() - 0.03, -0.5, 0.5); };
+  for (int k = 1; k <= 3000; ++k) {
+    SCOPED_TRACE("move " + std::to_string(k));
+    const std::size_t d = random.below(3);
+    by = {step(by[0]), step(by[1]), 0};
+    ASSERT_EQ(scene.set_pose(desks[d], Eigen::Translation3d(by) * homes[d]), Edit::done);
+    engine.update();
+    if (k % 150 != 0) continue;
+    ASSERT_EQ(engine.validate(), "");
+    EXPECT_LE(static_cast<double>(engine.shadows(0).stats.nodes), kRot * static_cast<double>(nodes_of_new(scene, options)));
+  }
+  ASSERT_EQ(check_lights(engine, 1, true), "");
+}
+
 TEST(Moves, CubeSlidesThroughTheLight) {
   in_every_form([](Theatre& t) {
     t.ground();

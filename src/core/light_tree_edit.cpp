@@ -9,6 +9,7 @@ namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 constexpr double growth_allowed = 1.1;      // of a cell, by edits
+constexpr double growth_borne = 1.75;       // with patience
 constexpr std::uint64_t edits_allowed = 4;  // for each entry of a cell
 constexpr std::size_t most_movers = 4;      // that a cell keeps in mind
 constexpr std::uint32_t most_patience = 6;
@@ -287,14 +288,17 @@ void LightTree::note_shattered(std::uint32_t c, std::uint32_t entry, std::uint32
 // again; and so is one that several objects have come to and left many times over, because what it should have grown to is then no longer
 // known. In the long run that costs in proportion to the growth, and to the edits. (An object that goes to and fro is no reason.) Where the
 // same objects move that moved before the cell was built, it waits until as much has been inserted as a build inserts, and each time twice
-// as long: what a desk does to its cell while it is dragged through it, its next step does again.
+// as long, unless it has grown by far: what a desk does to its cell while it is dragged through it, its next step does again; but several
+// that take turns cut each other smaller and smaller.
 bool LightTree::has_grown(std::uint32_t c) const {
   const Fresh& fresh = fresh_[c];
   const std::size_t entries = cells_[c].live_entries();
-  if (fresh.changes_of_mover == 0 && fresh.edits < entries << fresh.patience) return false;
-  return fresh.stirred ||
-         static_cast<double>(cells_[c].live_nodes()) > growth_allowed * fresh.nodes_per_entry * static_cast<double>(entries) + 4 ||
-         (fresh.edits > edits_allowed * entries + 64 && fresh.changes_of_mover >= most_movers);
+  const auto exceeds = [&](double growth) {
+    return static_cast<double>(cells_[c].live_nodes()) > growth * fresh.nodes_per_entry * static_cast<double>(entries) + 4;
+  };
+  const std::uint32_t patience = exceeds(growth_borne) ? 0 : fresh.patience;
+  if (fresh.changes_of_mover == 0 && fresh.edits < entries << patience) return false;
+  return fresh.stirred || exceeds(growth_allowed) || (fresh.edits > edits_allowed * entries + 64 && fresh.changes_of_mover >= most_movers);
 }
 
 void LightTree::note_fresh(std::uint32_t c) {
