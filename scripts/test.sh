@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, and runs every test.
-#   scripts/test.sh           the whole suite, and some thousand runs of each fuzzer
-#   scripts/test.sh --web     the WebAssembly package and what stands on it too: Emscripten is 842 MB and takes minutes, Chromium 414 MB
+#   scripts/test.sh           the whole suite, the WebAssembly package in Node among it, and some thousand runs of each fuzzer
+#   scripts/test.sh --web     what stands on the package too, in a browser: the adapter for three.js and the walkthrough (Chromium is 414 MB)
 #   scripts/test.sh --long    all that, the suite under ASan + UBSan too, what runs on several threads under TSan, and each fuzzer for ten minutes
 tools=(libgtest-dev libbenchmark-dev libembree-dev libpolyclipping-dev libcgal-dev assimp-testmodels glmark2-data clang libclang-rt-14-dev python3
-       python3-xlib xvfb)
+       python3-xlib xvfb emscripten nodejs)
 budget="-seed=1 -runs=20000"  # the same inputs every time
 presets=(release)
-web=OFF
+browser=OFF
 if [ "${1:-}" = --web ] || [ "${1:-}" = --long ]; then
-  web=ON
-  tools+=(emscripten nodejs npm chromium)
+  browser=ON
+  tools+=(npm chromium)
 fi
 if [ "${1:-}" = --long ]; then
   budget="-max_total_time=600"
@@ -21,7 +21,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" "${tools[@]}"
 # The fuzzers need clang; they must find nothing.
 CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSHADOWCUT_FUZZ=ON -DSHADOWCUT_BENCH=OFF \
   -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -gline-tables-only" \
-  -DSHADOWCUT_C=OFF -DSHADOWCUT_CLI=OFF -DSHADOWCUT_TESTS=OFF >/dev/null
+  -DCMAKE_UNITY_BUILD=ON -DSHADOWCUT_C=OFF -DSHADOWCUT_CLI=OFF -DSHADOWCUT_TESTS=OFF >/dev/null
 cmake --build build/fuzz
 mkdir -p build/fuzz/corpus/fuzz_obj build/fuzz/corpus/fuzz_build build/fuzz/corpus/fuzz_edits
 for name in room1 branch3 tetrahedron2; do head -c 4000 "data/$name.obj" >"build/fuzz/corpus/fuzz_obj/$name"; done
@@ -38,7 +38,7 @@ echo "the exact kernel's laws, compiled by clang"
 SHADOWCUT_SOAK=30000 build/fuzz/bin/predicates_clang --gtest_brief=1
 
 for preset in "${presets[@]}"; do
-  cmake --preset "$preset" -DSHADOWCUT_TESTS=ON -DSHADOWCUT_WEB="$web" >/dev/null
+  cmake --preset "$preset" -DSHADOWCUT_TESTS=ON -DSHADOWCUT_WEB=ON -DSHADOWCUT_BROWSER="$browser" >/dev/null
   cmake --build --preset "$preset"
   ctest --preset "$preset" --timeout 1200 -j "$(nproc)"
 done

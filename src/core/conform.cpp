@@ -16,14 +16,14 @@ struct FragmentRef {
 
 // A line as it lies in a face. A face that was not flat has several planes, and a line that cuts two of them lies in each elsewhere; only
 // the facets' own edges are in both.
-struct Key {
+struct FaceLine {
   std::uint64_t line;
   std::uint32_t plane;  // none: the line is an edge of the facet
-  friend auto operator<=>(const Key&, const Key&) = default;
+  friend auto operator<=>(const FaceLine&, const FaceLine&) = default;
 };
 
 struct End {  // a corner at the end of an edge
-  Key line;
+  FaceLine line;
   double along;
   Vec3 x;
 };
@@ -33,7 +33,7 @@ struct Insertion {  // behind which corner of which fragment
   Vec3 x;
 };
 
-Key key_of(const Scene& scene, std::uint32_t facet, std::uint64_t line) {
+FaceLine key_of(const Scene& scene, std::uint32_t facet, std::uint64_t line) {
   for (const Corner& c : scene.corners_of(scene.facets()[facet])) {
     if (c.edge >> 1 == line) return {line, none};
   }
@@ -47,7 +47,7 @@ std::vector<End> ends_of(const Scene& scene, std::span<const FragmentRef> face, 
     const CellOutput& o = outputs[ref.output];
     const Fragment& f = o.block.fragments[ref.fragment];
     for (std::uint32_t i = 0; i < f.corner_count; ++i) {
-      const Key line = key_of(scene, f.facet, o.edge_lines[f.first_corner + i]);
+      const FaceLine line = key_of(scene, f.facet, o.edge_lines[f.first_corner + i]);
       ends.push_back({line, 0, o.block.corners[f.first_corner + i]});
       ends.push_back({line, 0, o.block.corners[f.first_corner + (i + 1) % f.corner_count]});
     }
@@ -67,10 +67,10 @@ std::vector<End> ends_of(const Scene& scene, std::span<const FragmentRef> face, 
 }
 
 // The corners strictly between the ends of the edge a -> b, in its direction.
-void between(const std::vector<End>& ends, Key line, const Vec3& a, const Vec3& b, std::vector<Vec3>& out) {
+void between(const std::vector<End>& ends, FaceLine line, const Vec3& a, const Vec3& b, std::vector<Vec3>& out) {
   out.clear();
-  auto first = std::lower_bound(ends.begin(), ends.end(), line, [](const End& e, Key l) { return e.line < l; });
-  const auto last = std::upper_bound(first, ends.end(), line, [](Key l, const End& e) { return l < e.line; });
+  auto first = std::lower_bound(ends.begin(), ends.end(), line, [](const End& e, FaceLine l) { return e.line < l; });
+  const auto last = std::upper_bound(first, ends.end(), line, [](FaceLine l, const End& e) { return l < e.line; });
   double at_a = 0, at_b = 0;
   for (auto e = first; e != last; ++e) {
     if (e->x == a) at_a = e->along;

@@ -14,11 +14,10 @@
 #include "convex.hpp"
 #include "coplanar.hpp"
 #include "id_table.hpp"
+#include "two_doubles.hpp"
 
 namespace shadowcut {
 namespace {
-
-constexpr double unit_roundoff = std::numeric_limits<double>::epsilon() / 2;
 
 std::uint64_t hash_position(const Vec3& v) {
   std::uint64_t bits[3];

@@ -22,9 +22,9 @@
 #include <shadowcut/scene.hpp>
 #include <vector>
 
-namespace shadowcut {
+#include "two_doubles.hpp"
 
-inline constexpr double unit_roundoff = 0x1p-53;
+namespace shadowcut {
 
 template <class Real>
 struct LineOf {  // a plane through the light; as seen from the light, a line

@@ -7,6 +7,8 @@
 
 namespace shadowcut {
 
+inline constexpr double unit_roundoff = 0x1p-53;
+
 struct TwoDoubles {
   double high, low;  // |low| is at most half an ulp of high
 };
