@@ -159,7 +159,7 @@ class FragmentBuffers {
   Places places_;                                   // one light's
   std::vector<std::vector<Place>> places_of_face_;  // all lights'
   std::vector<std::vector<Hole>> holes_;            // by their number of corners
-  std::vector<Place> touched_;                      // since the update began, each once
+  std::vector<Place> touched_;                      // since the update began
   std::uint64_t updates_ = 0;
   bool anew_ = false, grown_ = false;
   std::vector<Range> changed_vertices_, changed_indices_;

@@ -267,7 +267,8 @@ double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t
   const bool reversed = target.space.handedness() < 0;
   const Real* q = target.tables.planes[target.scene.facets()[facet_id].plane].q;
   const Vec3* vertices = target.scene.vertices().data();
-  if (corners_will_do(target, facet_id)) {
+  const bool will_do = corners_will_do(target, facet_id);
+  if (will_do) {
     for (std::size_t k = 0; k < count; ++k) {
       const ConeCorner& c = cone[reversed ? count - 1 - k : k];
       out[k] = c.vertex == none ? target.space.back(c.r, q) : vertices[c.vertex];
@@ -282,7 +283,6 @@ double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t
     const std::uint32_t v = cone[reversed ? count - 1 - k : k].vertex;
     out[k] = v == none ? at(k) : vertices[v];
   }
-  const bool will_do = corners_will_do(target, facet_id);
   AreaSum sum(will_do ? out[0] : at(0));
   for (std::size_t k = 1; k < count; ++k) sum.add(will_do ? out[k] : at(k));
   return sum.area(normal_of(target, facet_id));

@@ -335,21 +335,29 @@ Cone* LightTree::cone_of_part(const Parts& parts, const Parts::Part& part, ConeP
   return cone;
 }
 
-// Facets are filtered through the prefix in chunks of a fixed size, then every cell's tree is built from its parts in the order of
+// Chunks of a fixed size: their parts are the same, in the same order, whatever the number of threads.
+std::vector<LightTree::Parts> LightTree::filter_in_chunks(const std::vector<std::uint32_t>& order, std::size_t size) {
+  std::vector<Parts> chunks((order.size() + size - 1) / size);
+  const auto filter = [&](std::size_t c) {
+    Workspace& w = workspaces_.local();
+    for (std::size_t i = c * size; i < std::min(order.size(), (c + 1) * size); ++i) filter_into_cells(order[i], chunks[c], w);
+  };
+  if (chunks.size() > 1) {
+    parallel_for(chunks.size(), 1, filter);
+  } else if (!chunks.empty()) {
+    filter(0);
+  }
+  return chunks;
+}
+
+// Facets are filtered through the prefix in chunks, then every cell's tree is built from its parts in the order of
 // insertion: whatever the number of threads, a cell sees the same parts in the same order.
 void LightTree::build(const std::vector<std::uint32_t>& order) {
-  constexpr std::size_t chunk_size = 2048;
   const std::size_t cell_count = prefix_->cell_count();
   cells_.resize(cell_count, CellTree(tables_));
   for (CellTree& cell : cells_) cell.clear();
-  std::vector<Parts> chunks((order.size() + chunk_size - 1) / chunk_size);
-
-  if (cell_count > 1) {
-    parallel_for(chunks.size(), 1, [&](std::size_t c) {
-      Workspace& w = workspaces_.local();
-      for (std::size_t i = c * chunk_size; i < std::min(order.size(), (c + 1) * chunk_size); ++i) filter_into_cells(order[i], chunks[c], w);
-    });
-  }
+  std::vector<Parts> chunks;
+  if (cell_count > 1) chunks = filter_in_chunks(order, 2048);
   // Sort the parts by cell, keeping their order.
   struct Ref {
     std::uint32_t chunk, part;

@@ -145,6 +145,7 @@ class LightTree final : public LightShadows {
     for (Cone* part : parts) take(part);
   }
   void filter_into_cells(std::uint32_t facet, Parts& parts, Workspace& w) const;
+  std::vector<Parts> filter_in_chunks(const std::vector<std::uint32_t>& order, std::size_t size);
   Cone* cone_of_part(const Parts& parts, const Parts::Part& part, ConePool& pool) const;
   void build(const std::vector<std::uint32_t>& order);
   void link_entry(std::uint32_t cell, std::uint32_t entry);
@@ -187,8 +188,8 @@ class LightTree final : public LightShadows {
   void note_location_list(std::uint32_t object);
   void grow();
   void face_objects(std::span<const std::uint32_t> objects);
-  void face_facets(const Object& object);
-  void fill_tables(const Object& object);
+  void face_facets(std::uint32_t object);
+  void fill_tables(std::uint32_t object);
   void count_line(std::uint32_t line, bool kept);
   void leave_lines(std::uint32_t object);
   void give_lines_back(std::uint32_t object);

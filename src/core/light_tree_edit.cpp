@@ -201,17 +201,9 @@ void LightTree::insert_objects(std::span<const std::uint32_t> objects) {
   batch_.clear();
 }
 
-// In chunks of a fixed size, so that the parts come in the same order whatever the number of threads.
 LightTree::Parts LightTree::filter_into_cells(const std::vector<std::uint32_t>& order) {
-  constexpr std::size_t chunk_size = worth_threads;
-  std::vector<Parts> chunks((order.size() + chunk_size - 1) / chunk_size);
-  const auto filter = [&](std::size_t c) {
-    Workspace& w = workspaces_.local();
-    for (std::size_t i = c * chunk_size; i < std::min(order.size(), (c + 1) * chunk_size); ++i) filter_into_cells(order[i], chunks[c], w);
-  };
-  if (chunks.empty()) return {};
-  if (chunks.size() == 1) return filter(0), std::move(chunks[0]);
-  parallel_for(chunks.size(), 1, filter);
+  std::vector<Parts> chunks = filter_in_chunks(order, worth_threads);
+  if (chunks.size() == 1) return std::move(chunks[0]);
   Parts all;
   for (const Parts& chunk : chunks) {
     const auto first = static_cast<std::uint32_t>(all.corners.size());
@@ -284,7 +276,7 @@ void LightTree::note_shattered(std::uint32_t c, std::uint32_t entry, std::uint32
   }
 }
 
-// Edits leave faces cut, and insert them in an order that nobody would choose. A cell that has grown by a fifth since it was built is built
+// Edits leave faces cut, and insert them in an order that nobody would choose. A cell that has grown by a tenth since it was built is built
 // again; and so is one that several objects have come to and left many times over, because what it should have grown to is then no longer
 // known. In the long run that costs in proportion to the growth, and to the edits. (An object that goes to and fro is no reason.) Where the
 // same objects move that moved before the cell was built, it waits until as much has been inserted as a build inserts, and each time twice
@@ -396,17 +388,17 @@ void LightTree::face_objects(std::span<const std::uint32_t> objects) {
     if (is_exact()) note_for_exact(object, *tables_.exact);
   }
   const auto for_each = [&](const auto& f) {
-    if (facets >= worth_threads) return parallel_for(objects.size(), 4, [&](std::size_t i) { f(scene_.objects()[objects[i]]); });
-    for (const std::uint32_t o : objects) f(scene_.objects()[o]);
+    if (facets >= worth_threads) return parallel_for(objects.size(), 4, [&](std::size_t i) { f(objects[i]); });
+    for (const std::uint32_t o : objects) f(o);
   };
-  for_each([this](const Object& object) { face_facets(object); });
+  for_each([this](std::uint32_t o) { face_facets(o); });
   for (const std::uint32_t o : objects) {
     const Object& object = scene_.objects()[o];
     const auto enters = enters_.begin() + object.first_facet;
     if (std::find(enters, enters + object.facet_count, 1) != enters + object.facet_count) take_lines(o);
     for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) note(f);
   }
-  for_each([this](const Object& object) { fill_tables(object); });
+  for_each([this](std::uint32_t o) { fill_tables(o); });
   for (const std::uint32_t o : objects) {
     const Object& object = scene_.objects()[o];
     shadows_.stats.faces += object.face_count;
@@ -417,7 +409,8 @@ void LightTree::face_objects(std::span<const std::uint32_t> objects) {
   }
 }
 
-void LightTree::face_facets(const Object& object) {
+void LightTree::face_facets(std::uint32_t o) {
+  const Object& object = scene_.objects()[o];
   const bool light_inside = holds_light(object);
   for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
     const Face& face = scene_.faces()[f];
@@ -427,7 +420,8 @@ void LightTree::face_facets(const Object& object) {
 }
 
 // An object's part of the tables, and the whole areas of its faces.
-void LightTree::fill_tables(const Object& object) {
+void LightTree::fill_tables(std::uint32_t o) {
+  const Object& object = scene_.objects()[o];
   const auto facets_end = object.first_facet + object.facet_count;
   bool any = false;
   for (std::uint32_t i = object.first_facet; i < facets_end; ++i) {
@@ -436,7 +430,7 @@ void LightTree::fill_tables(const Object& object) {
     make_plane(scene_.facets()[i].plane);
   }
   if (any) {
-    const std::uint32_t shift = tables_.line_shift[static_cast<std::size_t>(&object - scene_.objects().data())];
+    const std::uint32_t shift = tables_.line_shift[o];
     for (std::uint32_t i = 0; i < object.vertex_count; ++i) make_ray(object.first_vertex + i);
     for (std::uint32_t i = object.first_edge; i < object.first_edge + object.edge_count; ++i) make_line(i, i + shift);
     for (std::uint32_t i = object.first_facet; is_exact() && i < facets_end; ++i) face_exactly(i);
@@ -545,10 +539,12 @@ void LightTree::count_face(const FaceArea& before, const FaceArea& now) {
 void LightTree::total_up() {
   Stats& s = shadows_.stats;
   if (rebuilt_) {
-    for (std::uint32_t f = 0; f < shadows_.areas.size(); ++f) measure(f);
     facing_area_ = lit_area_ = shadowed_area_ = dropped_area_ = {};
     s.facing_faces = 0;
-    for (const FaceArea& a : shadows_.areas) count_face({}, a);
+    for (std::uint32_t f = 0; f < shadows_.areas.size(); ++f) {
+      measure(f);
+      count_face({}, shadows_.areas[f]);
+    }
   } else {
     for (const Old& old : noted_) {
       measure(old.face);
