@@ -1,10 +1,12 @@
 // Build and emission on generated scenes of growing size.
 //
-//   shadowcut_bench --benchmark_repetitions=5 --benchmark_out=bench/baseline/cast.json --benchmark_out_format=json
+//   shadowcut_bench --benchmark_repetitions=5 --benchmark_out=bench/baseline/cast.json
+//     --benchmark_out_format=json
 //
-// Every row: one whole cast_shadows, on one and on two threads. Counters: ns a light-facing face; build and emission apart (the minimum
-// over the iterations, in ms); nodes, fragments and bytes; and a hash of every fragment, the same for any number of threads. The machine's
-// speed drifts: quote ratios of one run, minima of repeats.
+// Every row: one whole cast_shadows, on one and on two threads. Counters: ns a light-facing face;
+// build and emission apart (the minimum over the iterations, in ms); nodes, fragments and bytes;
+// and a hash of every fragment, the same for any number of threads. The machine's speed drifts:
+// quote ratios of one run, minima of repeats.
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -23,7 +25,8 @@ namespace {
 using namespace shadowcut;
 
 // A scene is made once, for all rows that use it, and dropped when the next one is asked for.
-const std::pair<Scene, Light>& scene_of(const std::string& name, const std::function<scenes::SceneData()>& make) {
+const std::pair<Scene, Light>& scene_of(const std::string& name,
+                                        const std::function<scenes::SceneData()>& make) {
   static std::string held;
   static std::unique_ptr<std::pair<Scene, Light>> scene;
   if (held != name) {
@@ -49,7 +52,8 @@ std::uint64_t hash_of(const Shadows& shadows) {
   return h;
 }
 
-void cast(benchmark::State& state, const std::string& name, const std::function<scenes::SceneData()>& make, unsigned threads) {
+void cast(benchmark::State& state, const std::string& name,
+          const std::function<scenes::SceneData()>& make, unsigned threads) {
   const auto& [scene, light] = scene_of(name, make);
   Options options;
   options.threads = threads;
@@ -89,14 +93,19 @@ void add(const std::string& name, const std::function<scenes::SceneData()>& make
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Freed memory stays in the process, so that repeats measure the engine and not the kernel's clearing of fresh pages.
+  // Freed memory stays in the process, so that repeats measure the engine and not the kernel's
+  // clearing of fresh pages.
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   add("furnished_room", [] { return scenes::furnished_room(); });
-  for (int level = 1; level <= 4; ++level) add("room:" + std::to_string(level), [=] { return scenes::room(level); });
-  for (int depth = 2; depth <= 6; ++depth) add("tetrahedron:" + std::to_string(depth), [=] { return scenes::tetrahedron(depth); });
-  for (const std::uint32_t n : {18u, 32u, 57u, 100u, 178u, 316u}) add("city:" + std::to_string(n), [=] { return scenes::city(n); });
-  for (const std::uint32_t n : {6u, 12u, 25u, 50u, 100u}) add("spheres:" + std::to_string(n), [=] { return scenes::spheres(n, 64, 33); });
+  for (int level = 1; level <= 4; ++level)
+    add("room:" + std::to_string(level), [=] { return scenes::room(level); });
+  for (int depth = 2; depth <= 6; ++depth)
+    add("tetrahedron:" + std::to_string(depth), [=] { return scenes::tetrahedron(depth); });
+  for (const std::uint32_t n : {18u, 32u, 57u, 100u, 178u, 316u})
+    add("city:" + std::to_string(n), [=] { return scenes::city(n); });
+  for (const std::uint32_t n : {6u, 12u, 25u, 50u, 100u})
+    add("spheres:" + std::to_string(n), [=] { return scenes::spheres(n, 64, 33); });
   for (const std::uint32_t n : {1000u, 3000u, 10000u, 30000u, 100000u})
     add("triangles:" + std::to_string(n), [=] { return scenes::triangles(n); });
   benchmark::Initialize(&argc, argv);

@@ -13,7 +13,8 @@ using compare::HalfSpace;
 using compare::Lighting;
 using compare::Polygon;
 
-// A disc around a facet, as the light sees it: directions on the unit sphere, or places across a directional light.
+// A disc around a facet, as the light sees it: directions on the unit sphere, or places across a
+// directional light.
 struct Disc {
   std::uint32_t facet;
   Vec3 centre;
@@ -31,14 +32,16 @@ class Clipping {
     const Polygon receiver = compare::polygon_of(scene_, facet);
     const double area = compare::area_of(receiver);
     lighting_.shadow_planes(receiver, planes_);
-    HalfSpace plane{scene_.planes()[scene_.facets()[facet].plane].normal, scene_.planes()[scene_.facets()[facet].plane].point};
+    HalfSpace plane{scene_.planes()[scene_.facets()[facet].plane].normal,
+                    scene_.planes()[scene_.facets()[facet].plane].point};
     if (lighting_.in_front_of(plane) < 0) plane.normal = -plane.normal;
     choose_frame(receiver, plane);
     shadows_.clear();
     const Disc disc = disc_around(facet);
     for (const Disc& caster : casters_) {
       const double reach = disc.radius + caster.radius;
-      if (caster.facet != facet && (disc.centre - caster.centre).squaredNorm() <= reach * reach) add_shadow(caster.facet, plane);
+      if (caster.facet != facet && (disc.centre - caster.centre).squaredNorm() <= reach * reach)
+        add_shadow(caster.facet, plane);
     }
     return area - united_area();
   }
@@ -58,7 +61,8 @@ class Clipping {
     const auto corners = scene_.corners_of(scene_.facets()[facet]);
     for (const Corner& c : corners) middle += scene_.vertices()[c.vertex];
     Disc disc{facet, seen(middle / static_cast<double>(corners.size())), 0};
-    for (const Corner& c : corners) disc.radius = std::max(disc.radius, (seen(scene_.vertices()[c.vertex]) - disc.centre).norm());
+    for (const Corner& c : corners)
+      disc.radius = std::max(disc.radius, (seen(scene_.vertices()[c.vertex]) - disc.centre).norm());
     disc.radius *= 1 + 1e-9;
     return disc;
   }

@@ -4,25 +4,31 @@
 //
 // A row is a scene, a light and a method:
 //
-//   shadowcut  kernels x forms, and smallest features by area and by solid angle; of models, planes shared within 1e-6; one thread, the
+//   shadowcut  kernels x forms, and smallest features by area and by solid angle; of models, planes
+//              shared within 1e-6; one thread, the
 //              one-off call
 //   rays       Embree, 1 to 4 096 shadow rays a face; by area: in the mean, large faces get more
 //   map        a shadow map of 256 to 8 192 texels a side, looked up at 1 024 points a face
 //   edits      Engine after a script of 100 moves: kernels x join thresholds
 //
-// Time is the whole job's, the minimum of its repeats, on one thread and of that thread; for samplers from the scene to the lit area of
-// every face.
+// Time is the whole job's, the minimum of its repeats, on one thread and of that thread; for
+// samplers from the scene to the lit area of every face.
 //
 // Errors are against the exact kernel's result, over the faces turned to the light:
-//   symmetric_difference  area of the symmetric difference of the lit regions; of a map, the area of the points where it is wrong, with
+//   symmetric_difference  area of the symmetric difference of the lit regions; of a map, the area
+//                         of the points where it is wrong, with
 //                         rays for the truth; of rays there is none, since they give areas only
-//   area_error            sum over faces of | lit area - exact lit area |; never more than the above
-//   undecided_area        of kernels fast and single: the sum of Engine::undecided, which bounds the true error; and the faces whose areas
+//   area_error            sum over faces of | lit area - exact lit area |; never more than the
+//                         above
+//   undecided_area        of kernels fast and single: the sum of Engine::undecided, which bounds
+//                         the true error; and the faces whose areas
 //                         are off by more than their own share of it
 //   dropped_area          with a smallest feature: what is neither lit nor shadowed
-//   wrong faces           lit (over 1e-6 of the face) although wholly shadowed (to 1e-9), and the reverse; and missed: a lit or shadowed
+//   wrong faces           lit (over 1e-6 of the face) although wholly shadowed (to 1e-9), and the
+//                         reverse; and missed: a lit or shadowed
 //                         part of over a hundredth of the face, of which nothing is reported
-// A row that would take longer than --seconds, by the row before, is left out and says so ("skipped", with the estimate).
+// A row that would take longer than --seconds, by the row before, is left out and says so
+// ("skipped", with the estimate).
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -53,7 +59,8 @@ struct Arguments {
   double seconds = 5;
 };
 
-// Processor time: everything here runs on one thread, and on a machine that others use the wall clock would favour short jobs.
+// Processor time: everything here runs on one thread, and on a machine that others use the wall
+// clock would favour short jobs.
 class Stopwatch {
  public:
   double ms() const { return 1e-6 * static_cast<double>(now() - start_); }
@@ -129,19 +136,23 @@ Options single_thread(Kernel kernel, Form form) {
   return o;
 }
 
-constexpr std::pair<Kernel, const char*> kKernels[] = {{Kernel::single, "single"}, {Kernel::fast, "fast"}, {Kernel::exact, "exact"}};
+constexpr std::pair<Kernel, const char*> kKernels[] = {
+    {Kernel::single, "single"}, {Kernel::fast, "fast"}, {Kernel::exact, "exact"}};
 
 // Smallest areas are shares of the mean face turned to the light; solid angles are of point lights.
 std::vector<Setting> settings(double mean_face, Light::Kind light) {
-  constexpr std::pair<Form, const char*> kForms[] = {{Form::pieces, "pieces"}, {Form::merged, "merged"}, {Form::conforming, "conforming"}};
+  constexpr std::pair<Form, const char*> kForms[] = {
+      {Form::pieces, "pieces"}, {Form::merged, "merged"}, {Form::conforming, "conforming"}};
   std::vector<Setting> all;
   for (const auto& [kernel, kernel_name] : kKernels)
     for (const auto& [form, form_name] : kForms)
-      all.push_back(
-          {std::string(kernel_name) + " " + form_name, {{"kernel", kernel_name}, {"form", form_name}}, single_thread(kernel, form)});
+      all.push_back({std::string(kernel_name) + " " + form_name,
+                     {{"kernel", kernel_name}, {"form", form_name}},
+                     single_thread(kernel, form)});
   for (const double share : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1}) {
-    Setting s{
-        "fast min-feature", {{"kernel", "fast"}, {"form", "merged"}, {"min_area_share", share}}, single_thread(Kernel::fast, Form::merged)};
+    Setting s{"fast min-feature",
+              {{"kernel", "fast"}, {"form", "merged"}, {"min_area_share", share}},
+              single_thread(Kernel::fast, Form::merged)};
     s.options.min_feature.area = share * mean_face;
     all.push_back(s);
   }
@@ -153,7 +164,9 @@ std::vector<Setting> settings(double mean_face, Light::Kind light) {
     if (light == Light::Kind::point) all.push_back(s);
   }
   // The same regions from another tree: what the comparison itself cannot tell apart.
-  Setting floor{"exact pieces, another order", {{"kernel", "exact"}, {"form", "pieces"}, {"order", "random"}}, {}};
+  Setting floor{"exact pieces, another order",
+                {{"kernel", "exact"}, {"form", "pieces"}, {"order", "random"}},
+                {}};
   floor.options = single_thread(Kernel::exact, Form::pieces);
   floor.options.order = Order::random;
   all.push_back(floor);
@@ -197,11 +210,14 @@ class Errors {
       const FaceArea& is = exact_.areas[f];
       if (is.facing != Facing::toward) continue;
       const double error = std::abs(lit[f] - is.lit);
-      sum += error, greatest = std::max(greatest, error), greatest_share = std::max(greatest_share, error / is.area);
+      sum += error, greatest = std::max(greatest, error),
+                    greatest_share = std::max(greatest_share, error / is.area);
       const double dark = is.area - lit[f];
       if (is.lit <= 1e-9 * is.area && lit[f] > 1e-6 * is.area) ++lit_where_shadowed;
       if (is.shadowed <= 1e-9 * is.area && dark > 1e-6 * is.area) ++shadowed_where_lit;
-      if ((is.lit > 1e-2 * is.area && lit[f] <= 1e-6 * is.area) || (is.shadowed > 1e-2 * is.area && dark <= 1e-6 * is.area)) ++missed;
+      if ((is.lit > 1e-2 * is.area && lit[f] <= 1e-6 * is.area) ||
+          (is.shadowed > 1e-2 * is.area && dark <= 1e-6 * is.area))
+        ++missed;
     }
     const Stats& stats = exact_.stats;
     return {{"area_error", sum},
@@ -235,7 +251,8 @@ class Errors {
     for (std::size_t f = 0; f < exact_.areas.size(); ++f) {
       sum += by_face[f];
       const FaceArea& is = exact_.areas[f];
-      if (is.facing == Facing::toward && std::abs(shadows.areas[f].lit - is.lit) > by_face[f]) ++beyond;
+      if (is.facing == Facing::toward && std::abs(shadows.areas[f].lit - is.lit) > by_face[f])
+        ++beyond;
     }
     return {{"undecided_area", sum}, {"beyond_undecided", beyond}};
   }
@@ -248,7 +265,8 @@ class Errors {
 };
 
 // From Receivers' index to the scene's.
-std::vector<double> by_face(const Scene& scene, const Receivers& receivers, std::span<const double> lit) {
+std::vector<double> by_face(const Scene& scene, const Receivers& receivers,
+                            std::span<const double> lit) {
   std::vector<double> all(scene.faces().size(), 0);
   for (std::size_t i = 0; i < lit.size(); ++i) all[receivers.target(i).face] = lit[i];
   return all;
@@ -288,7 +306,10 @@ class Bench {
     std::size_t points, images, bytes;
 
     ordered_json json() const {
-      ordered_json figures{{"ms", ms}, {"structure_ms", structure_ms}, {"sample_ms", ms - structure_ms}, {"points", points}};
+      ordered_json figures{{"ms", ms},
+                           {"structure_ms", structure_ms},
+                           {"sample_ms", ms - structure_ms},
+                           {"points", points}};
       if (images > 0) figures.update({{"images", images}, {"bytes", bytes}});
       return figures;
     }
@@ -296,8 +317,11 @@ class Bench {
 
   bool wanted(const std::string& method) const {
     const std::string row = scene_name_ + " " + method;
-    const auto holds = [&row](const std::string& text) { return row.find(text) != std::string::npos; };
-    return arguments_.only.empty() || std::any_of(arguments_.only.begin(), arguments_.only.end(), holds);
+    const auto holds = [&row](const std::string& text) {
+      return row.find(text) != std::string::npos;
+    };
+    return arguments_.only.empty() ||
+           std::any_of(arguments_.only.begin(), arguments_.only.end(), holds);
   }
 
   static Cast cast(const Scene& scene, const Options& options) {
@@ -312,7 +336,8 @@ class Bench {
   void maps(const Scene& scene, const Errors& errors);
   void edits(const Scene& scene);
   bool skipped(const std::string& method, ordered_json parameters, double estimate_ms);
-  void add(const std::string& method, ordered_json parameters, ordered_json times, const ordered_json& errors);
+  void add(const std::string& method, ordered_json parameters, ordered_json times,
+           const ordered_json& errors);
 
   const Arguments& arguments_;
   const RayDevice device_;
@@ -321,17 +346,21 @@ class Bench {
   ordered_json rows_ = ordered_json::array();
 };
 
-void Bench::add(const std::string& method, ordered_json parameters, ordered_json times, const ordered_json& errors) {
+void Bench::add(const std::string& method, ordered_json parameters, ordered_json times,
+                const ordered_json& errors) {
   ordered_json row = scene_;
   row["method"] = method;
   row["parameters"] = std::move(parameters);
   row.update(times);
   row.update(errors);
   const bool has_difference = row.contains("symmetric_share");
-  std::printf("%-22s %-9s %-40s %10.3f ms  area error %8.2e  difference %8.2e  wrong %d + %d  missed %d\n", scene_name_.c_str(),
-              method.c_str(), row["parameters"].dump().c_str(), row["ms"].get<double>(), row["area_error_share"].get<double>(),
-              has_difference ? row["symmetric_share"].get<double>() : NAN, row["lit_where_shadowed"].get<int>(),
-              row["shadowed_where_lit"].get<int>(), row["missed"].get<int>());
+  std::printf(
+      "%-22s %-9s %-40s %10.3f ms  area error %8.2e  difference %8.2e  wrong %d + %d  missed %d\n",
+      scene_name_.c_str(), method.c_str(), row["parameters"].dump().c_str(),
+      row["ms"].get<double>(), row["area_error_share"].get<double>(),
+      has_difference ? row["symmetric_share"].get<double>() : NAN,
+      row["lit_where_shadowed"].get<int>(), row["shadowed_where_lit"].get<int>(),
+      row["missed"].get<int>());
   std::fflush(stdout);
   rows_.push_back(std::move(row));
 }
@@ -343,22 +372,24 @@ bool Bench::skipped(const std::string& method, ordered_json parameters, double e
   row["method"] = method;
   row["parameters"] = std::move(parameters);
   row["skipped"] = {{"estimate_ms", estimate_ms}};
-  std::printf("%-22s %-9s %-40s skipped: about %.0f s\n", scene_name_.c_str(), method.c_str(), row["parameters"].dump().c_str(),
-              1e-3 * estimate_ms);
+  std::printf("%-22s %-9s %-40s skipped: about %.0f s\n", scene_name_.c_str(), method.c_str(),
+              row["parameters"].dump().c_str(), 1e-3 * estimate_ms);
   rows_.push_back(std::move(row));
   return true;
 }
 
 void Bench::ours(const Scene& scene, const Errors& errors) {
   const Stats& exact = errors.exact().stats;
-  for (const Setting& s : settings(exact.facing_area / static_cast<double>(exact.facing_faces), scene.lights()[0].kind)) {
+  for (const Setting& s : settings(exact.facing_area / static_cast<double>(exact.facing_faces),
+                                   scene.lights()[0].kind)) {
     if (!wanted("shadowcut " + s.name)) continue;
     const Cast c = quickest([&] { return cast(scene, s.options); });
     ordered_json parameters = s.parameters;
     if (s.name == kReference) parameters["reference"] = true;
     ordered_json figures = c.json();
     const MinFeature& smallest = s.options.min_feature;
-    if (smallest.area > 0 || smallest.solid_angle > 0) figures["dropped_area"] = c.shadows.stats.dropped_area;
+    if (smallest.area > 0 || smallest.solid_angle > 0)
+      figures["dropped_area"] = c.shadows.stats.dropped_area;
     else if (s.options.kernel != Kernel::exact) figures.update(errors.bound(c.shadows, s.options));
     add("shadowcut", parameters, figures, errors.json(c.shadows));
   }
@@ -367,14 +398,17 @@ void Bench::ours(const Scene& scene, const Errors& errors) {
 // Errors are against the scene as it was: what sharing planes changes in it.
 void Bench::with_shared_planes(const Scene& coplanar, const Errors& errors) {
   for (const auto& [kernel, name] : kKernels) {
-    if (kernel == Kernel::single || !wanted(std::string("shadowcut ") + name + " coplanar")) continue;
+    if (kernel == Kernel::single || !wanted(std::string("shadowcut ") + name + " coplanar"))
+      continue;
     const Options options = single_thread(kernel, Form::merged);
     const Cast c = quickest([&] { return cast(coplanar, options); });
     ordered_json figures = c.json();
     std::uint32_t aligned = 0;
     for (const Object& object : coplanar.objects()) aligned += object.aligned;
     figures["aligned_facets"] = aligned;
-    add("shadowcut", {{"kernel", name}, {"form", "merged"}, {"coplanarity_tolerance", kFloatCoplanarity}}, figures, errors.json(c.shadows));
+    add("shadowcut",
+        {{"kernel", name}, {"form", "merged"}, {"coplanarity_tolerance", kFloatCoplanarity}},
+        figures, errors.json(c.shadows));
   }
 }
 
@@ -393,11 +427,13 @@ void Bench::rays(const Scene& scene, const Errors& errors) {
         const double structure_ms = watch.ms();
         const Receivers receivers(scene, light, errors.exact().areas);
         const std::vector<std::uint32_t> strata = receivers.strata(samples, by_area);
-        std::vector<double> lit =
-            areas_where(receivers, strata, [&](const Vec3& x, const Vec3& normal) { return sampler.is_lit(x, normal); });
+        std::vector<double> lit = areas_where(
+            receivers, strata,
+            [&](const Vec3& x, const Vec3& normal) { return sampler.is_lit(x, normal); });
         const double ms = watch.ms();
-        const std::size_t points = std::transform_reduce(strata.begin(), strata.end(), std::size_t{0}, std::plus<>(),
-                                                         [](std::uint32_t n) { return std::size_t{n} * n; });
+        const std::size_t points =
+            std::transform_reduce(strata.begin(), strata.end(), std::size_t{0}, std::plus<>(),
+                                  [](std::uint32_t n) { return std::size_t{n} * n; });
         return {ms, structure_ms, by_face(scene, receivers, lit), points, 0, 0};
       });
       last = s.ms;
@@ -423,14 +459,18 @@ void Bench::maps(const Scene& scene, const Errors& errors) {
       const Receivers receivers(scene, light, errors.exact().areas);
       const std::vector<std::uint32_t> strata = receivers.strata(points, false);
       const std::vector<double> lit =
-          areas_where(receivers, strata, [&](const Vec3& x, const Vec3& normal) { return map.is_lit(x, normal); });
+          areas_where(receivers, strata,
+                      [&](const Vec3& x, const Vec3& normal) { return map.is_lit(x, normal); });
       const double ms = watch.ms();
       if (wrong == 0) {
-        const std::vector<double> differ = areas_where(
-            receivers, strata, [&](const Vec3& x, const Vec3& normal) { return map.is_lit(x, normal) != truth.is_lit(x, normal); });
+        const std::vector<double> differ =
+            areas_where(receivers, strata, [&](const Vec3& x, const Vec3& normal) {
+              return map.is_lit(x, normal) != truth.is_lit(x, normal);
+            });
         wrong = std::accumulate(differ.begin(), differ.end(), 0.0);
       }
-      return {ms, structure_ms, by_face(scene, receivers, lit), receivers.size() * points, map.images(), map.bytes()};
+      return {ms,           structure_ms, by_face(scene, receivers, lit), receivers.size() * points,
+              map.images(), map.bytes()};
     });
     last_structure = s.structure_ms, last_samples = s.ms - s.structure_ms;
     add("map", {{"side", side}}, s.json(), errors.with_difference(errors.json(s.lit), wrong));
@@ -448,13 +488,15 @@ void move_about(Scene& scene, const Update& update) {
   for (std::size_t i = 0; i < scene.objects().size(); ++i) {
     const Object& object = scene.objects()[i];
     homes.push_back(object.pose);
-    if (object.alive && object.face_count > 0 && i > 0) movable.push_back(i);  // the first is the ground, or the walls
+    // the first is the ground, or the walls
+    if (object.alive && object.face_count > 0 && i > 0) movable.push_back(i);
   }
   for (int k = 0; k < 100; ++k) {
     const std::size_t i = movable[random.below(movable.size())];
     const Object& object = scene.objects()[i];
     Eigen::AlignedBox3d box;
-    for (std::uint32_t v = 0; v < object.vertex_count; ++v) box.extend(scene.vertices()[object.first_vertex + v]);
+    for (std::uint32_t v = 0; v < object.vertex_count; ++v)
+      box.extend(scene.vertices()[object.first_vertex + v]);
     const Vec3 by = 0.1 * box.diagonal().norm() * random.in_ball(1);
     const bool goes_home = random.below(10) == 0;
     const Pose pose = goes_home ? homes[i] : Eigen::Translation3d(by.x(), by.y(), 0) * object.pose;
@@ -474,7 +516,8 @@ void Bench::edits(const Scene& home) {
   for (const auto& [kernel, threshold] : rows) {
     if (!wanted(std::string("edits ") + kernel + " " + std::to_string(threshold))) continue;
     if (!exact) exact = cast(moved, single_thread(Kernel::exact, Form::pieces));
-    Options o = single_thread(kernel == std::string("exact") ? Kernel::exact : Kernel::fast, Form::merged);
+    Options o =
+        single_thread(kernel == std::string("exact") ? Kernel::exact : Kernel::fast, Form::merged);
     o.join_threshold = threshold;
     Engine fresh(moved, o);
     fresh.update();
@@ -494,10 +537,14 @@ void Bench::edits(const Scene& home) {
       });
       std::sort(ms.begin(), ms.end());
       const Stats& stats = engine.shadows(0).stats;
-      const ordered_json found{{"nodes", stats.nodes}, {"marked_nodes", stats.marked_nodes}, {"bytes", stats.bytes}};
-      return {ms[ms.size() / 2], ms.back(), found, Errors(moved, exact->shadows).json(engine.shadows(0))};
+      const ordered_json found{
+          {"nodes", stats.nodes}, {"marked_nodes", stats.marked_nodes}, {"bytes", stats.bytes}};
+      return {ms[ms.size() / 2], ms.back(), found,
+              Errors(moved, exact->shadows).json(engine.shadows(0))};
     });
-    ordered_json figures{{"ms", best.ms}, {"greatest_ms", best.greatest_ms}, {"fresh_nodes", fresh.shadows(0).stats.nodes}};
+    ordered_json figures{{"ms", best.ms},
+                         {"greatest_ms", best.greatest_ms},
+                         {"fresh_nodes", fresh.shadows(0).stats.nodes}};
     figures.update(best.found);
     add("edits", {{"kernel", kernel}, {"join_threshold", threshold}}, figures, best.errors);
   }
@@ -533,7 +580,8 @@ void run(const Arguments& a) {
     const Scene* coplanar = setup.path.empty() ? nullptr : &scenes[1];
     bench.run(setup.name, scenes[0], coplanar);
     if (!setup.sun) continue;
-    for (Scene& scene : scenes) scene.replace_lights(std::vector<Light>{Light::directional({0.4131, 0.2713, -1})});
+    for (Scene& scene : scenes)
+      scene.replace_lights(std::vector<Light>{Light::directional({0.4131, 0.2713, -1})});
     bench.run(setup.name, scenes[0], coplanar);
   }
   write_json(a.json, bench.json());
@@ -544,10 +592,13 @@ void run(const Arguments& a) {
 int main(int argc, char** argv) {
   Arguments a;
   CLI::App app("Time against error, for every way to shadows", "shadowcut_bench_dial");
-  app.add_option("--only", a.only, "Rows (scene light method parameters) that contain this: \"city:57 point\", \"rays 256\", edits")
+  app.add_option("--only", a.only,
+                 "Rows (scene light method parameters) that contain this: \"city:57 point\", "
+                 "\"rays 256\", edits")
       ->type_size(1)
       ->allow_extra_args(false);
-  app.add_option("--seconds", a.seconds, "Leave out rows that would take longer (5)")->check(CLI::PositiveNumber);
+  app.add_option("--seconds", a.seconds, "Leave out rows that would take longer (5)")
+      ->check(CLI::PositiveNumber);
   app.add_option("--json", a.json)->type_name("FILE");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -1,19 +1,25 @@
 // What updates cost.
 //
-//   shadowcut_bench_edits --json bench/baseline/edits.json [--only TEXT]... [--moves N] [--long MOVES]
+//   shadowcut_bench_edits --json bench/baseline/edits.json [--only TEXT]... [--moves N] [--long
+//     MOVES]
 //
-// Every row moves one thing, or several at once, to and fro, and times two things with a steady clock: Engine::update() alone, and the edit
-// of the scene with it. A *first* move is one of something that has stood still since the build; a *next* move is any later one. Rows:
+// Every row moves one thing, or several at once, to and fro, and times two things with a steady
+// clock: Engine::update() alone, and the edit of the scene with it. A *first* move is one of
+// something that has stood still since the build; a *next* move is any later one. Rows:
 //
-//   table2   the paper's (Chrysanthou & Slater 1995, table 2): its scenes, and the objects that it names
+//   table2   the paper's (Chrysanthou & Slater 1995, table 2): its scenes, and the objects that it
+//            names
 //   city     a building moves by 0.05, in cities of 64 to 99 856; nine buildings in turn
 //   spheres  a sphere of middling size moves by 0.05, among 6 to 100
 //   desk     in the furnished room
 //   ground   the face under 1 024 buildings
-//   frame    200 prisms of 20 faces, known to move, all at once in the streets of the city of 10 000 buildings; on one and two threads
-//   long     (with --long) one building after another goes its way in the city of 1 024: the tree's size and the updates' cost at intervals
+//   frame    200 prisms of 20 faces, known to move, all at once in the streets of the city of 10
+//            000 buildings; on one and two threads
+//   long     (with --long) one building after another goes its way in the city of 1 024: the tree's
+//            size and the updates' cost at intervals
 //
-// Times are the minimum, the median and the 99.9th percentile. The machine's speed drifts: quote ratios of one run.
+// Times are the minimum, the median and the 99.9th percentile. The machine's speed drifts: quote
+// ratios of one run.
 #include <malloc.h>
 
 #include <CLI/CLI.hpp>
@@ -45,7 +51,9 @@ struct Arguments {
   std::uint32_t join_threshold = Options().join_threshold;
 };
 
-double ms_between(Clock::time_point a, Clock::time_point b) { return std::chrono::duration<double, std::milli>(b - a).count(); }
+double ms_between(Clock::time_point a, Clock::time_point b) {
+  return std::chrono::duration<double, std::milli>(b - a).count();
+}
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
@@ -55,7 +63,10 @@ double quantile(std::vector<double> values, double share) {
 }
 
 ordered_json times(const std::vector<double>& ms) {
-  return {{"count", ms.size()}, {"min", quantile(ms, 0)}, {"median", quantile(ms, 0.5)}, {"p999", quantile(ms, 0.999)}};
+  return {{"count", ms.size()},
+          {"min", quantile(ms, 0)},
+          {"median", quantile(ms, 0.5)},
+          {"p999", quantile(ms, 0.999)}};
 }
 
 // Some objects that move together.
@@ -75,7 +86,8 @@ Party party_named(const Scene& scene, const std::vector<std::string>& names) {
   Party party;
   for (const std::string& name : names) {
     const auto objects = scene.objects();
-    const auto it = std::find_if(objects.begin(), objects.end(), [&](const Object& o) { return o.name == name; });
+    const auto it = std::find_if(objects.begin(), objects.end(),
+                                 [&](const Object& o) { return o.name == name; });
     if (it == objects.end()) throw Error("no object " + name);
     party.add(scene, static_cast<std::size_t>(it - objects.begin()));
   }
@@ -84,7 +96,8 @@ Party party_named(const Scene& scene, const std::vector<std::string>& names) {
 
 void place(Scene& scene, const Party& party, const Vec3& by) {
   for (std::size_t i = 0; i < party.objects.size(); ++i) {
-    if (scene.set_pose(party.objects[i], Eigen::Translation3d(by) * party.homes[i]) != Edit::done) throw Error("a pose was not set");
+    if (scene.set_pose(party.objects[i], Eigen::Translation3d(by) * party.homes[i]) != Edit::done)
+      throw Error("a pose was not set");
   }
 }
 
@@ -101,13 +114,16 @@ struct Series {
     update.push_back(ms_between(edited, end));
     total.push_back(ms_between(start, end));
     std::size_t g = 0, f = 0;
-    for (const LightChanges& light : changes.lights) g += light.gone.size(), f += light.added.size();
+    for (const LightChanges& light : changes.lights)
+      g += light.gone.size(), f += light.added.size();
     gone.push_back(static_cast<double>(g)), fresh.push_back(static_cast<double>(f));
   }
 
   ordered_json json() const {
-    return {
-        {"update_ms", times(update)}, {"edit_and_update_ms", times(total)}, {"gone", quantile(gone, 0.5)}, {"new", quantile(fresh, 0.5)}};
+    return {{"update_ms", times(update)},
+            {"edit_and_update_ms", times(total)},
+            {"gone", quantile(gone, 0.5)},
+            {"new", quantile(fresh, 0.5)}};
   }
 };
 
@@ -138,13 +154,16 @@ class Bench {
   Options options() const { return options(arguments_.threads); }
 
   bool wanted(const std::string& group) const {
-    const auto holds = [&group](const std::string& text) { return group.find(text) != std::string::npos; };
-    return arguments_.only.empty() || std::any_of(arguments_.only.begin(), arguments_.only.end(), holds);
+    const auto holds = [&group](const std::string& text) {
+      return group.find(text) != std::string::npos;
+    };
+    return arguments_.only.empty() ||
+           std::any_of(arguments_.only.begin(), arguments_.only.end(), holds);
   }
 
   // Each party in turn makes a first move, and after the last build its share of the next ones.
-  void row(const std::string& group, const std::string& name, Scene& scene, const std::vector<Party>& parties, const Vec3& step,
-           const Options& o) {
+  void row(const std::string& group, const std::string& name, Scene& scene,
+           const std::vector<Party>& parties, const Vec3& step, const Options& o) {
     std::vector<double> builds, plain;
     Series first, next;
     const std::size_t turns = std::max<std::size_t>(arguments_.builds, 1);
@@ -157,8 +176,10 @@ class Bench {
       const bool is_last = turn + 1 == turns;
       for (const Party& party : parties) {
         first.move(scene, engine, party, step);
-        const std::size_t share = is_last ? std::max<std::size_t>(1, arguments_.moves / parties.size()) : 0;
-        for (std::size_t k = 0; k < share; ++k) next.move(scene, engine, party, k % 2 == 0 ? Vec3(Vec3::Zero()) : step);
+        const std::size_t share =
+            is_last ? std::max<std::size_t>(1, arguments_.moves / parties.size()) : 0;
+        for (std::size_t k = 0; k < share; ++k)
+          next.move(scene, engine, party, k % 2 == 0 ? Vec3(Vec3::Zero()) : step);
         place(scene, party, Vec3::Zero());
         engine.update();
       }
@@ -186,9 +207,12 @@ class Bench {
     const double rebuild = quantile(builds, 0.5);
     entry["first_share"] = quantile(first.update, 0.5) / rebuild;
     entry["next_share"] = quantile(next.update, 0.5) / rebuild;
-    std::printf("%-10s %-26s %8llu faces  rebuild %9.3f  first %9.4f  next %9.4f  99.9 %% %9.4f ms  gone %6.0f new %6.0f\n", group.c_str(),
-                name.c_str(), static_cast<unsigned long long>(faces), rebuild, quantile(first.update, 0.5), quantile(next.update, 0.5),
-                quantile(next.update, 0.999), quantile(next.gone, 0.5), quantile(next.fresh, 0.5));
+    std::printf(
+        "%-10s %-26s %8llu faces  rebuild %9.3f  first %9.4f  next %9.4f  99.9 %% %9.4f ms  gone "
+        "%6.0f new %6.0f\n",
+        group.c_str(), name.c_str(), static_cast<unsigned long long>(faces), rebuild,
+        quantile(first.update, 0.5), quantile(next.update, 0.5), quantile(next.update, 0.999),
+        quantile(next.gone, 0.5), quantile(next.fresh, 0.5));
     std::fflush(stdout);
     rows_.push_back(std::move(entry));
   }
@@ -196,8 +220,10 @@ class Bench {
   void add_long(ordered_json points) { long_ = std::move(points); }
 
   ordered_json json() const {
-    ordered_json document{
-        {"moves", arguments_.moves}, {"builds", arguments_.builds}, {"join_threshold", arguments_.join_threshold}, {"rows", rows_}};
+    ordered_json document{{"moves", arguments_.moves},
+                          {"builds", arguments_.builds},
+                          {"join_threshold", arguments_.join_threshold},
+                          {"rows", rows_}};
     if (!long_.is_null()) document["long"] = long_;
     return document;
   }
@@ -217,21 +243,25 @@ void table2(Bench& bench) {
     const char* what;
     std::vector<std::string> objects;
   };
-  const std::vector<Row> rows{
-      {1, "computer", {"computer.1", "screen.1"}},         {2, "computer", {"computer.1", "screen.1"}},
-      {2, "bookcase", {"bookcase.1", "book.1", "book.2"}}, {3, "computer", {"computer.1", "screen.1"}},
-      {4, "computer", {"computer.1", "screen.1"}},         {4, "computer and desk", {"desk.5", "computer.8", "screen.8"}}};
+  const std::vector<Row> rows{{1, "computer", {"computer.1", "screen.1"}},
+                              {2, "computer", {"computer.1", "screen.1"}},
+                              {2, "bookcase", {"bookcase.1", "book.1", "book.2"}},
+                              {3, "computer", {"computer.1", "screen.1"}},
+                              {4, "computer", {"computer.1", "screen.1"}},
+                              {4, "computer and desk", {"desk.5", "computer.8", "screen.8"}}};
   for (const Row& r : rows) {
     Scene scene = scenes::build(scenes::room(r.level));
     const Party party = party_named(scene, r.objects);
-    bench.row("table2", "room:" + std::to_string(r.level) + " " + r.what, scene, {party}, {0.05, 0.03, 0}, bench.options());
+    bench.row("table2", "room:" + std::to_string(r.level) + " " + r.what, scene, {party},
+              {0.05, 0.03, 0}, bench.options());
   }
 }
 
 void desk(Bench& bench) {
   Scene scene = scenes::build(scenes::furnished_room());
   for (const char* name : {"desk.5", "chair.4"})
-    bench.row("desk", std::string("furnished_room ") + name, scene, {party_named(scene, {name})}, {0.05, 0.03, 0}, bench.options());
+    bench.row("desk", std::string("furnished_room ") + name, scene, {party_named(scene, {name})},
+              {0.05, 0.03, 0}, bench.options());
 }
 
 void city(Bench& bench) {
@@ -241,14 +271,16 @@ void city(Bench& bench) {
     std::vector<Party> parties;
     for (const std::uint32_t y : {1u, 4u, 7u})
       for (const std::uint32_t x : {1u, 4u, 7u})
-        parties.push_back(party_named(scene, {"house." + std::to_string(x * n / 8) + "." + std::to_string(y * n / 8)}));
+        parties.push_back(party_named(
+            scene, {"house." + std::to_string(x * n / 8) + "." + std::to_string(y * n / 8)}));
     bench.row("city", "city:" + std::to_string(n), scene, parties, {0.05, 0, 0}, bench.options());
   }
 }
 
 void ground(Bench& bench) {
   Scene scene = scenes::build(scenes::city(32));
-  bench.row("ground", "city:32 ground", scene, {party_named(scene, {"ground"})}, {0.05, 0, 0}, bench.options());
+  bench.row("ground", "city:32 ground", scene, {party_named(scene, {"ground"})}, {0.05, 0, 0},
+            bench.options());
 }
 
 void spheres(Bench& bench) {
@@ -256,13 +288,16 @@ void spheres(Bench& bench) {
     if (n > bench.arguments().largest_spheres) continue;
     Scene scene = scenes::build(scenes::spheres(n, 64, 33));
     std::vector<std::size_t> by_volume;
-    for (std::size_t i = 1; i < scene.objects().size(); ++i) by_volume.push_back(i);  // the ground is first
+    // the ground is first
+    for (std::size_t i = 1; i < scene.objects().size(); ++i) by_volume.push_back(i);
     const auto middle = by_volume.begin() + n / 2;
-    std::nth_element(by_volume.begin(), middle, by_volume.end(),
-                     [&](std::size_t a, std::size_t b) { return scene.objects()[a].signed_volume < scene.objects()[b].signed_volume; });
+    std::nth_element(by_volume.begin(), middle, by_volume.end(), [&](std::size_t a, std::size_t b) {
+      return scene.objects()[a].signed_volume < scene.objects()[b].signed_volume;
+    });
     Party party;
     party.add(scene, *middle);
-    bench.row("spheres", "spheres:" + std::to_string(n), scene, {party}, {0.05, 0, 0}, bench.options());
+    bench.row("spheres", "spheres:" + std::to_string(n), scene, {party}, {0.05, 0, 0},
+              bench.options());
   }
 }
 
@@ -271,7 +306,8 @@ Mesh pillar(double x, double y) {
   std::vector<Vec3> base;
   for (int k = 0; k < 18; ++k) {  // clockwise from above, which is counter-clockwise from below
     const double turn = -2 * std::numbers::pi * k / 18;
-    base.emplace_back(scenes::to_grid(x + 0.05 * std::cos(turn)), scenes::to_grid(y + 0.05 * std::sin(turn)), 0);
+    base.emplace_back(scenes::to_grid(x + 0.05 * std::cos(turn)),
+                      scenes::to_grid(y + 0.05 * std::sin(turn)), 0);
   }
   return scenes::prism(base, {0, 0, 0.25});
 }
@@ -281,15 +317,18 @@ void frame(Bench& bench) {
   Scene scene = scenes::build(scenes::city(n));
   scenes::Random random(200);
   std::set<std::uint64_t> crossings;
-  while (crossings.size() < std::min<std::size_t>(200, (n - 1) * (n - 1))) crossings.insert(random.below((n - 1) * (n - 1)));
+  while (crossings.size() < std::min<std::size_t>(200, (n - 1) * (n - 1)))
+    crossings.insert(random.below((n - 1) * (n - 1)));
   Party party;
   for (const std::uint64_t c : crossings) {
-    const Mesh mesh = pillar(static_cast<double>(1 + c % (n - 1)), static_cast<double>(1 + c / (n - 1)));
+    const Mesh mesh =
+        pillar(static_cast<double>(1 + c % (n - 1)), static_cast<double>(1 + c / (n - 1)));
     const ObjectId id = scene.add(mesh, {.name = "pillar." + std::to_string(c), .moves = true});
     party.add(scene, id.index);
   }
   for (const unsigned threads : {1u, 2u}) {
-    const std::string name = "city:" + std::to_string(n) + " 200 x 20, threads:" + std::to_string(threads);
+    const std::string name =
+        "city:" + std::to_string(n) + " 200 x 20, threads:" + std::to_string(threads);
     bench.row("frame", name, scene, {party}, {0, 0.03, 0}, bench.options(threads));
   }
 }
@@ -311,7 +350,8 @@ void long_run(Bench& bench) {
   for (std::size_t k = 1; k <= bench.arguments().long_moves; ++k) {
     const Party& house = houses[random.below(houses.size())];
     const Vec3 by = random.in_ball(0.25);
-    series.move(scene, engine, house, random.below(10) == 0 ? Vec3(Vec3::Zero()) : Vec3(by.x(), by.y(), 0));
+    series.move(scene, engine, house,
+                random.below(10) == 0 ? Vec3(Vec3::Zero()) : Vec3(by.x(), by.y(), 0));
     if (k % interval != 0) continue;
     Engine fresh(scene, bench.options());
     const double rebuild = build_ms(fresh);
@@ -327,9 +367,13 @@ void long_run(Bench& bench) {
                       {"rebuild_nodes", new_one.nodes},
                       {"rebuild_bytes", new_one.bytes},
                       {"rebuild_fragments", new_one.lit_fragments + new_one.shadowed_fragments}});
-    std::printf("long %9zu moves: median %9.4f ms, 99.9 %% %9.4f ms, nodes %8llu (%.3f of a rebuild's), marked %llu\n", k,
-                quantile(series.update, 0.5), quantile(series.update, 0.999), static_cast<unsigned long long>(now.nodes),
-                static_cast<double>(now.nodes) / static_cast<double>(new_one.nodes), static_cast<unsigned long long>(now.marked_nodes));
+    std::printf(
+        "long %9zu moves: median %9.4f ms, 99.9 %% %9.4f ms, nodes %8llu (%.3f of a rebuild's), "
+        "marked %llu\n",
+        k, quantile(series.update, 0.5), quantile(series.update, 0.999),
+        static_cast<unsigned long long>(now.nodes),
+        static_cast<double>(now.nodes) / static_cast<double>(new_one.nodes),
+        static_cast<unsigned long long>(now.marked_nodes));
     std::fflush(stdout);
     series = {};
   }
@@ -338,8 +382,9 @@ void long_run(Bench& bench) {
 
 void run(const Arguments& a) {
   Bench bench(a);
-  const std::pair<const char*, void (*)(Bench&)> groups[] = {{"table2", table2}, {"desk", desk},   {"city", city},
-                                                             {"ground", ground}, {"frame", frame}, {"spheres", spheres}};
+  const std::pair<const char*, void (*)(Bench&)> groups[] = {
+      {"table2", table2}, {"desk", desk},   {"city", city},
+      {"ground", ground}, {"frame", frame}, {"spheres", spheres}};
   for (const auto& [name, group] : groups)
     if (bench.wanted(name)) group(bench);
   if (a.long_moves > 0) long_run(bench);
@@ -349,19 +394,25 @@ void run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Freed memory stays in the process, so that repeats measure the engine and not the kernel's clearing of fresh pages.
+  // Freed memory stays in the process, so that repeats measure the engine and not the kernel's
+  // clearing of fresh pages.
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   Arguments a;
   CLI::App app("What updates cost", "shadowcut_bench_edits");
-  app.add_option("--only", a.only, "Groups whose names contain this: table2, desk, city, ground, frame, spheres")
+  app.add_option("--only", a.only,
+                 "Groups whose names contain this: table2, desk, city, ground, frame, spheres")
       ->type_size(1)
       ->allow_extra_args(false);
   app.add_option("--moves", a.moves, "Next moves in a row (2000)")->check(CLI::PositiveNumber);
-  app.add_option("--builds", a.builds, "Builds, and first moves of each thing, in a row (5)")->check(CLI::PositiveNumber);
+  app.add_option("--builds", a.builds, "Builds, and first moves of each thing, in a row (5)")
+      ->check(CLI::PositiveNumber);
   app.add_option("--threads", a.threads, "In all rows but frame (1)");
-  app.add_option("--largest-city", a.largest_city, "Leave out cities with more buildings along a side")->check(CLI::Range(8, 316));
-  app.add_option("--largest-spheres", a.largest_spheres, "Leave out scenes with more spheres")->check(CLI::Range(6, 100));
+  app.add_option("--largest-city", a.largest_city,
+                 "Leave out cities with more buildings along a side")
+      ->check(CLI::Range(8, 316));
+  app.add_option("--largest-spheres", a.largest_spheres, "Leave out scenes with more spheres")
+      ->check(CLI::Range(6, 100));
   app.add_option("--join-threshold", a.join_threshold, "Options::join_threshold");
   app.add_option("--long", a.long_moves, "Make so many moves in one engine, too");
   app.add_option("--json", a.json)->type_name("FILE");

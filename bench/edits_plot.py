@@ -31,7 +31,14 @@ def grid(x, y):
     yield f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH - LEFT - RIGHT}" height="{HEIGHT - TOP - BOTTOM}" fill="none" stroke="{SOFT}"/>'
     yield text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 22, "faces turned to the light", "middle", 14)
     middle = (TOP + HEIGHT - BOTTOM) / 2
-    yield text(24, middle, "time (steady clock)", "middle", 14, more=f' transform="rotate(-90 24 {middle:.1f})"')
+    yield text(
+        24,
+        middle,
+        "time (steady clock)",
+        "middle",
+        14,
+        more=f' transform="rotate(-90 24 {middle:.1f})"',
+    )
 
 
 def curves(rows, x, y, colour):
@@ -64,15 +71,30 @@ def legend(shown):
 
 def draw(report):
     shown = [s for s in SERIES if any(r["group"] == s[0] for r in report["rows"])]
-    chosen = {s[0]: sorted((r for r in report["rows"] if r["group"] == s[0]), key=lambda r: r["facing_faces"]) for s in shown}
+    chosen = {
+        s[0]: sorted(
+            (r for r in report["rows"] if r["group"] == s[0]), key=lambda r: r["facing_faces"]
+        )
+        for s in shown
+    }
     rows = [r for group in chosen.values() for r in group]
     if not rows:
         sys.exit("no rows of cities or spheres")
     x = Axis(*decades([r["facing_faces"] for r in rows]), LEFT, WIDTH - RIGHT)
-    times = [t for r in rows for t in (r["rebuild_ms"]["median"], r["next"]["update_ms"]["median"], r["next"]["update_ms"]["p999"])]
+    times = [
+        t
+        for r in rows
+        for t in (
+            r["rebuild_ms"]["median"],
+            r["next"]["update_ms"]["median"],
+            r["next"]["update_ms"]["p999"],
+        )
+    ]
     y = Axis(*decades(times), HEIGHT - BOTTOM, TOP)
-    yield (f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" '
-           'font-family="sans-serif">')
+    yield (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" '
+        'font-family="sans-serif">'
+    )
     yield f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>'
     yield text(LEFT, 32, "The cost of moving one object, against the size of the scene", size=17)
     yield from grid(x, y)

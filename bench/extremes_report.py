@@ -20,7 +20,9 @@ KINDS = pathlib.Path(__file__).parent.parent / "tests" / "exact_scenes.hpp"
 
 def sentences():
     """What each kind is, in the header's order."""
-    body = re.search(r"enum class ExactKind \{(.*?)\};", KINDS.read_text(encoding="utf-8"), re.DOTALL).group(1)
+    body = re.search(
+        r"enum class ExactKind \{(.*?)\};", KINDS.read_text(encoding="utf-8"), re.DOTALL
+    ).group(1)
     return dict(re.findall(r"^\s*(\w+),?\s*// (.*)$", body, re.MULTILINE))
 
 
@@ -39,16 +41,29 @@ def report(rows):
         if (kind, "fast") not in found:
             continue
         fast, single = found[kind, "fast"], found[kind, "single"]
-        cells = [kind.replace("_", " "), words, f"{fast['scenes']}, {fast['faces']}", "equal", of_area(fast["error"]), of_area(fast["bound"]), fast["wrong_faces"],
-                 of_area(single["error"]), single["wrong_faces"]]
+        cells = [
+            kind.replace("_", " "),
+            words,
+            f"{fast['scenes']}, {fast['faces']}",
+            "equal",
+            of_area(fast["error"]),
+            of_area(fast["bound"]),
+            fast["wrong_faces"],
+            of_area(single["error"]),
+            single["wrong_faces"],
+        ]
         yield "| " + " | ".join(str(c) for c in cells) + " |"
     for kernel in ("fast", "single"):
         mine = [r for r in rows if r["kernel"] == kernel]
         faces = sum(r["faces"] for r in mine)
-        outside = ", ".join(f"{r['kind'].replace('_', ' ')} ({r['beyond']})" for r in mine if r["beyond"])
+        outside = ", ".join(
+            f"{r['kind'].replace('_', ' ')} ({r['beyond']})" for r in mine if r["beyond"]
+        )
         yield ""
-        yield (f"Kernel `{kernel}`: of {faces} faces {sum(r['wrong_faces'] for r in mine)} are wrong, and {sum(r['beyond'] for r in mine)} off by more than the kernel's own bound"
-               + (f": {outside}." if outside else "."))
+        yield (
+            f"Kernel `{kernel}`: of {faces} faces {sum(r['wrong_faces'] for r in mine)} are wrong, and {sum(r['beyond'] for r in mine)} off by more than the kernel's own bound"
+            + (f": {outside}." if outside else ".")
+        )
 
 
 def main():

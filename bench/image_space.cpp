@@ -1,17 +1,21 @@
-// The tables of the three papers that draw with graphics hardware, made again: Batagelo & Costa 1999, tables 2 and 3 and figure 10, Kolic
-// et al. 2004, table 1, Oh & Shin 2005, figures 7 and 8; with the engine's own fragments beside each.
+// The tables of the three papers that draw with graphics hardware, made again: Batagelo & Costa
+// 1999, tables 2 and 3 and figure 10, Kolic et al. 2004, table 1, Oh & Shin 2005, figures 7 and 8;
+// with the engine's own fragments beside each.
 //
-//   LP_NUM_THREADS=0 shadowcut_bench_image_space --processor-time --json bench/baseline/image_space.json [--only batagelo|kolic|oh]...
+//   LP_NUM_THREADS=0 shadowcut_bench_image_space --processor-time --json
+//     bench/baseline/image_space.json [--only batagelo|kolic|oh]...
 //     [--quick]
 //
-// Frames are drawn offscreen. Where Mesa's llvmpipe is the driver, LP_NUM_THREADS=0 keeps all of its work on the calling thread, and
-// --processor-time counts what the program's threads work (the engine has two) and not what others take from them. bench/papers_report.py
-// sets the figures beside the printed ones in docs/papers.md.
+// Frames are drawn offscreen. Where Mesa's llvmpipe is the driver, LP_NUM_THREADS=0 keeps all of
+// its work on the calling thread, and --processor-time counts what the program's threads work (the
+// engine has two) and not what others take from them. bench/papers_report.py sets the figures
+// beside the printed ones in docs/papers.md.
 //
-// All techniques draw the same frames, one after the other. A light goes round ten places, or an object or some move, so that what a
-// technique does on the processor is done in every frame. update_ms is that, draw_ms the drawing to its end (glFinish), frame_ms both; the
-// edit of the scene and the upload of its moved vertices come before and are not counted. Of every frame the smallest of some rounds is
-// taken, and the mean over the frames.
+// All techniques draw the same frames, one after the other. A light goes round ten places, or an
+// object or some move, so that what a technique does on the processor is done in every frame.
+// update_ms is that, draw_ms the drawing to its end (glFinish), frame_ms both; the edit of the
+// scene and the upload of its moved vertices come before and are not counted. Of every frame the
+// smallest of some rounds is taken, and the mean over the frames.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -58,7 +62,9 @@ class Stopwatch {
  private:
   static double now() {
     if (processor_time) return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    return std::chrono::duration<double, std::milli>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
   }
   double start_;
 };
@@ -70,7 +76,8 @@ Eigen::AlignedBox3d box_above_ground(const Scene& scene) {
   Eigen::AlignedBox3d box;
   for (const Facet& facet : scene.facets()) {
     if (scene.faces()[facet.face].object == 0) continue;
-    for (const Corner& corner : scene.corners_of(facet)) box.extend(scene.vertices()[corner.vertex]);
+    for (const Corner& corner : scene.corners_of(facet))
+      box.extend(scene.vertices()[corner.vertex]);
   }
   return box;
 }
@@ -82,12 +89,17 @@ struct Stage {
   }
 
   // From a third person's place, out of every shadow.
-  Camera camera() const { return {middle + 2.2 * radius * Vec3(0.5, -0.6, 0.62), middle, 1.0, Vec3::UnitZ()}; }
+  Camera camera() const {
+    return {middle + 2.2 * radius * Vec3(0.5, -0.6, 0.62), middle, 1.0, Vec3::UnitZ()};
+  }
 
-  // Ten distinct places on a dome: a golden angle further each time, and from 72 degrees above the horizon down to 36.
+  // Ten distinct places on a dome: a golden angle further each time, and from 72 degrees above the
+  // horizon down to 36.
   Light light_at(int k) const {
-    const double turn = 2.399963229728653 * k, height = 0.95 - 0.04 * k, across = std::sqrt(1 - height * height);
-    return Light::point(middle + 2.5 * radius * Vec3(across * std::cos(turn), across * std::sin(turn), height));
+    const double turn = 2.399963229728653 * k, height = 0.95 - 0.04 * k,
+                 across = std::sqrt(1 - height * height);
+    return Light::point(
+        middle + 2.5 * radius * Vec3(across * std::cos(turn), across * std::sin(turn), height));
   }
 
   Scene scene;
@@ -106,14 +118,18 @@ struct Motion {
   std::function<void(Stage&, int)> make;
 };
 
-const Motion moving_light{"light", 10, [](Stage& s, int k) { require_done(s.scene.set_light(s.scene.light_id(0), s.light_at(k))); }};
+const Motion moving_light{"light", 10, [](Stage& s, int k) {
+                            require_done(s.scene.set_light(s.scene.light_id(0), s.light_at(k)));
+                          }};
 
 void move_to(Stage& s, std::size_t object, const Vec3& place) {
   require_done(s.scene.set_pose(s.scene.object_id(object), Pose(Eigen::Translation3d(place))));
 }
 
-const Motion moving_object{"object", 10,
-                           [](Stage& s, int k) { move_to(s, s.scene.objects().size() - 1, s.radius / 256 * Vec3(0, 0, (k + 1) % 10)); }};
+const Motion moving_object{"object", 10, [](Stage& s, int k) {
+                             move_to(s, s.scene.objects().size() - 1,
+                                     s.radius / 256 * Vec3(0, 0, (k + 1) % 10));
+                           }};
 
 // Nothing moves, and every frame is as the one before.
 Motion standing(int steps) {
@@ -124,7 +140,9 @@ Motion standing(int steps) {
 Motion moving_crowd(std::size_t moving, int steps) {
   return {"crowd", steps, [moving](Stage& s, int k) {
             for (std::size_t i = 1; i <= moving; ++i)
-              move_to(s, i, scenes::Random(1000 * i + static_cast<std::size_t>(k)).in_cube(-0.125, 0.125));
+              move_to(
+                  s, i,
+                  scenes::Random(1000 * i + static_cast<std::size_t>(k)).in_cube(-0.125, 0.125));
           }};
 }
 
@@ -136,7 +154,8 @@ class Unshadowed : public Technique {
   Unshadowed(const Stage& stage, bool lit) : stage_(stage), lit_(lit) {}
   void update() override {}
   void add_light(const render::Frame& frame, std::size_t k) override {
-    if (lit_) stage_.model.add_light(frame, stage_.scene.lights()[k], stage_.scene.lights().size(), true);
+    if (lit_)
+      stage_.model.add_light(frame, stage_.scene.lights()[k], stage_.scene.lights().size(), true);
   }
 
  private:
@@ -144,8 +163,8 @@ class Unshadowed : public Technique {
   const bool lit_;
 };
 
-// An engine that is brought up to date, in the form that costs least to keep so, and draws nothing: fragments are drawn in the conforming
-// form, of which all is handed out again with every update.
+// An engine that is brought up to date, in the form that costs least to keep so, and draws nothing:
+// fragments are drawn in the conforming form, of which all is handed out again with every update.
 class MergedEngine : public Technique {
  public:
   explicit MergedEngine(const Stage& stage) : engine_(stage.scene, Options{}) {}
@@ -158,12 +177,18 @@ class MergedEngine : public Technique {
 
 std::unique_ptr<Technique> technique_of(const std::string& name, const Stage& s) {
   using Method = ShadowTexture::Method;
-  if (name == "ambient" || name == "unshadowed") return std::make_unique<Unshadowed>(s, name == "unshadowed");
+  if (name == "ambient" || name == "unshadowed")
+    return std::make_unique<Unshadowed>(s, name == "unshadowed");
   if (name == "engine-merged") return std::make_unique<MergedEngine>(s);
-  if (name == "quadratic") return std::make_unique<ShadowTexture>(s.scene, s.model, ShadowTexture::Choices{Method::quadratic, false});
-  if (name == "sz-buffer") return std::make_unique<ShadowTexture>(s.scene, s.model, ShadowTexture::Choices{Method::sz_buffer, false});
+  if (name == "quadratic")
+    return std::make_unique<ShadowTexture>(s.scene, s.model,
+                                           ShadowTexture::Choices{Method::quadratic, false});
+  if (name == "sz-buffer")
+    return std::make_unique<ShadowTexture>(s.scene, s.model,
+                                           ShadowTexture::Choices{Method::sz_buffer, false});
   if (name == "sz-buffer-coherent")
-    return std::make_unique<ShadowTexture>(s.scene, s.model, ShadowTexture::Choices{Method::sz_buffer, true});
+    return std::make_unique<ShadowTexture>(s.scene, s.model,
+                                           ShadowTexture::Choices{Method::sz_buffer, true});
   return render::make_technique(name, s.scene, s.model);
 }
 
@@ -213,7 +238,9 @@ class Timed : public Technique {
     technique_->update();
     update_ms_ = watch.ms();
   }
-  void add_light(const render::Frame& frame, std::size_t k) override { technique_->add_light(frame, k); }
+  void add_light(const render::Frame& frame, std::size_t k) override {
+    technique_->add_light(frame, k);
+  }
   render::Figures figures() const override { return technique_->figures(); }
   double update_ms() const { return update_ms_; }
 
@@ -231,18 +258,22 @@ struct Entrant {
 };
 
 // The frame in all sizes.
-std::vector<Figures> draw_frame(Timed& technique, const Contest& contest, const std::vector<render::Target>& targets) {
+std::vector<Figures> draw_frame(Timed& technique, const Contest& contest,
+                                const std::vector<render::Target>& targets) {
   const Model& model = contest.stage.model;
   std::vector<Figures> pictures;
   technique.expect_update();
   for (const render::Target& target : targets) {
-    const render::Frame frame = model.frame(contest.stage.camera(), target.width(), target.height());
+    const render::Frame frame =
+        model.frame(contest.stage.camera(), target.width(), target.height());
     target.bind();
     glFinish();
     const Stopwatch watch;
     render::draw(frame, contest.stage.scene, model, technique);
-    const double ms = watch.ms(), update_ms = technique.update_ms(), draw_ms = pictures.empty() ? ms - update_ms : ms;
-    Figures& figures = pictures.emplace_back(Figures{{"update_ms", update_ms}, {"draw_ms", draw_ms}, {"frame_ms", update_ms + draw_ms}});
+    const double ms = watch.ms(), update_ms = technique.update_ms(),
+                 draw_ms = pictures.empty() ? ms - update_ms : ms;
+    Figures& figures = pictures.emplace_back(
+        Figures{{"update_ms", update_ms}, {"draw_ms", draw_ms}, {"frame_ms", update_ms + draw_ms}});
     for (const auto& [name, value] : technique.figures()) figures.try_emplace("its_" + name, value);
   }
   return pictures;
@@ -255,14 +286,16 @@ void next_step(const Contest& contest, int step) {
 
 ordered_json row_of(const Contest& contest, std::size_t k, const std::vector<Entrant>& entrants) {
   const Size& size = contest.sizes[k];
-  ordered_json row{{"scene", contest.scene},        {"polygons", contest.stage.scene.faces().size()},
-                   {"motion", contest.motion.name}, {"width", size.width},
-                   {"height", size.height},         {"frames", contest.motion.steps}};
+  ordered_json row{
+      {"scene", contest.scene},        {"polygons", contest.stage.scene.faces().size()},
+      {"motion", contest.motion.name}, {"width", size.width},
+      {"height", size.height},         {"frames", contest.motion.steps}};
   for (std::size_t i = 0; i < entrants.size(); ++i) {
     ordered_json means = mean_of(entrants[i].best[k]);
     means["first_update_ms"] = entrants[i].first_update_ms;
-    std::printf("%s, %s moves, %d x %d, %s: update %.3f, draw %.3f ms\n", contest.scene.c_str(), contest.motion.name, size.width,
-                size.height, contest.techniques[i].c_str(), means["update_ms"].get<double>(), means["draw_ms"].get<double>());
+    std::printf("%s, %s moves, %d x %d, %s: update %.3f, draw %.3f ms\n", contest.scene.c_str(),
+                contest.motion.name, size.width, size.height, contest.techniques[i].c_str(),
+                means["update_ms"].get<double>(), means["draw_ms"].get<double>());
     row["techniques"][contest.techniques[i]] = std::move(means);
   }
   std::fflush(stdout);
@@ -276,7 +309,8 @@ std::vector<ordered_json> run(const Contest& contest) {
   std::vector<Entrant> entrants;
   const std::vector<Figures> steps(static_cast<std::size_t>(contest.motion.steps));
   for (const std::string& name : contest.techniques)
-    entrants.push_back({Timed(technique_of(name, contest.stage)), 0, std::vector<std::vector<Figures>>(targets.size(), steps)});
+    entrants.push_back({Timed(technique_of(name, contest.stage)), 0,
+                        std::vector<std::vector<Figures>>(targets.size(), steps)});
   next_step(contest, contest.motion.steps - 1);
   for (Entrant& entrant : entrants) {
     draw_frame(entrant.technique, contest, targets);
@@ -288,7 +322,8 @@ std::vector<ordered_json> run(const Contest& contest) {
       next_step(contest, step);
       for (Entrant& entrant : entrants) {
         const std::vector<Figures> pictures = draw_frame(entrant.technique, contest, targets);
-        for (std::size_t k = 0; k < targets.size(); ++k) keep_best(entrant.best[k][static_cast<std::size_t>(step)], pictures[k]);
+        for (std::size_t k = 0; k < targets.size(); ++k)
+          keep_best(entrant.best[k][static_cast<std::size_t>(step)], pictures[k]);
       }
     }
   }
@@ -306,14 +341,16 @@ void append(Rows& rows, Rows more) { rows.insert(rows.end(), more.begin(), more.
 // The small size tells what is filling from what is not.
 Rows batagelo(bool quick) {
   Rows rows;
-  std::vector<std::string> names{"sphere256", "solids96", "tetrahedra752:1", "tetrahedra752:2", "cubes1502"};
+  std::vector<std::string> names{"sphere256", "solids96", "tetrahedra752:1", "tetrahedra752:2",
+                                 "cubes1502"};
   if (quick) names.resize(2);
   for (const std::string& name : names) {
     Stage stage(scenes::named(name));
     for (const Motion& motion : {moving_light, moving_object})
       append(rows, run({stage,
                         name,
-                        {"ambient", "unshadowed", "stencil-standard", "stencil-hybrid", "fragments", "engine-merged"},
+                        {"ambient", "unshadowed", "stencil-standard", "stencil-hybrid", "fragments",
+                         "engine-merged"},
                         {{640, 480}, {160, 120}},
                         motion,
                         quick ? 0.0 : 3.0}));
@@ -329,22 +366,31 @@ Rows kolic(bool quick) {
   for (const Motion& motion : {moving_light, moving_object})
     append(rows, run({stage,
                       data.name,
-                      {"ambient", "unshadowed", "stencil-standard", "stencil-hybrid", "stencil-kolic", "fragments", "engine-merged"},
+                      {"ambient", "unshadowed", "stencil-standard", "stencil-hybrid",
+                       "stencil-kolic", "fragments", "engine-merged"},
                       sizes,
                       motion,
                       0}));
   return rows;
 }
 
-scenes::SceneData crowd_of(std::uint32_t count, bool quick) { return quick ? scenes::spheres(count, 12, 8) : scenes::spheres2037(count); }
+scenes::SceneData crowd_of(std::uint32_t count, bool quick) {
+  return quick ? scenes::spheres(count, 12, 8) : scenes::spheres2037(count);
+}
 
 // Nothing is kept from frame to frame here, so nothing needs to move.
 Rows oh_growth(bool quick) {
   Rows rows;
-  for (const std::uint32_t count : quick ? std::vector<std::uint32_t>{3, 6, 12} : std::vector<std::uint32_t>{25, 50, 100, 200, 300}) {
+  for (const std::uint32_t count : quick ? std::vector<std::uint32_t>{3, 6, 12}
+                                         : std::vector<std::uint32_t>{25, 50, 100, 200, 300}) {
     const scenes::SceneData data = crowd_of(count, quick);
     Stage stage(data);
-    append(rows, run({stage, data.name, {"unshadowed", "quadratic", "sz-buffer", "fragments"}, {{800, 600}}, standing(1), 0}));
+    append(rows, run({stage,
+                      data.name,
+                      {"unshadowed", "quadratic", "sz-buffer", "fragments"},
+                      {{800, 600}},
+                      standing(1),
+                      0}));
     rows.back()["count"] = count;
   }
   return rows;
@@ -356,12 +402,13 @@ Rows oh_coherence(bool quick) {
   const scenes::SceneData data = crowd_of(count, quick);
   for (const std::uint32_t share : {0, 10, 25, 50, 100}) {
     Stage stage(data);
-    append(rows, run({stage,
-                      data.name,
-                      {"unshadowed", "sz-buffer", "sz-buffer-coherent", "fragments", "engine-merged"},
-                      {{800, 600}},
-                      moving_crowd(count * share / 100, 2),
-                      0}));
+    append(rows,
+           run({stage,
+                data.name,
+                {"unshadowed", "sz-buffer", "sz-buffer-coherent", "fragments", "engine-merged"},
+                {{800, 600}},
+                moving_crowd(count * share / 100, 2),
+                0}));
     rows.back()["count"] = count, rows.back()["dynamic_percent"] = share;
   }
   return rows;
@@ -375,13 +422,19 @@ std::string threads_of_driver() {
 }
 
 void run(const Arguments& a) {
-  const auto wanted = [&](const char* group) { return a.only.empty() || std::find(a.only.begin(), a.only.end(), group) != a.only.end(); };
+  const auto wanted = [&](const char* group) {
+    return a.only.empty() || std::find(a.only.begin(), a.only.end(), group) != a.only.end();
+  };
   const render::OffscreenContext context;
   Stopwatch::processor_time = a.processor_time;
-  ordered_json document{{"driver", driver()}, {"lp_num_threads", threads_of_driver()}, {"clock", a.processor_time ? "processor" : "wall"}};
+  ordered_json document{{"driver", driver()},
+                        {"lp_num_threads", threads_of_driver()},
+                        {"clock", a.processor_time ? "processor" : "wall"}};
   if (wanted("batagelo")) document["batagelo1999"] = batagelo(a.quick);
   if (wanted("kolic")) document["kolic2004"] = kolic(a.quick);
-  if (wanted("oh")) document["oh2005_growth"] = oh_growth(a.quick), document["oh2005_coherence"] = oh_coherence(a.quick);
+  if (wanted("oh"))
+    document["oh2005_growth"] = oh_growth(a.quick),
+    document["oh2005_coherence"] = oh_coherence(a.quick);
   bench::write_json(a.json, document);
 }
 
@@ -389,10 +442,14 @@ void run(const Arguments& a) {
 
 int main(int argc, char** argv) {
   Arguments a;
-  CLI::App app("The tables of the papers that draw with graphics hardware, made again", "shadowcut_bench_image_space");
-  app.add_option("--only", a.only, "batagelo, kolic, oh")->check(CLI::IsMember({"batagelo", "kolic", "oh"}))->allow_extra_args(false);
+  CLI::App app("The tables of the papers that draw with graphics hardware, made again",
+               "shadowcut_bench_image_space");
+  app.add_option("--only", a.only, "batagelo, kolic, oh")
+      ->check(CLI::IsMember({"batagelo", "kolic", "oh"}))
+      ->allow_extra_args(false);
   app.add_option("--json", a.json, "Results")->type_name("FILE");
-  app.add_flag("--processor-time", a.processor_time, "Count processor time; not for a driver with a graphics card");
+  app.add_flag("--processor-time", a.processor_time,
+               "Count processor time; not for a driver with a graphics card");
   app.add_flag("--quick", a.quick, "Small scenes, two rounds: that everything works");
   CLI11_PARSE(app, argc, argv);
   try {

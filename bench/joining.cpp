@@ -1,11 +1,14 @@
-// What joining subtrees costs in the published tree, by the paper's filter and by the general merge that it rejected.
+// What joining subtrees costs in the published tree, by the paper's filter and by the general merge
+// that it rejected.
 //
 //   shadowcut_bench_joining [--only SCENE]... [--moves N] [--objects N] [--json FILE]
 //
-// In each scene up to --objects movable objects, spread evenly over its list, move in turn (the first object, a shell or the ground,
-// stays). A *first* move is one of an object that has stood still since the build; it and some *next* moves to and fro are timed, remove()
-// and insert() together, each way of joining in a tree of its own. The published tree then holds the shadow volumes; it reckons no areas or
-// fragments, which the engine's update does. The tree's size after all moves is told as a share of a fresh build's.
+// In each scene up to --objects movable objects, spread evenly over its list, move in turn (the
+// first object, a shell or the ground, stays). A *first* move is one of an object that has stood
+// still since the build; it and some *next* moves to and fro are timed, remove() and insert()
+// together, each way of joining in a tree of its own. The published tree then holds the shadow
+// volumes; it reckons no areas or fragments, which the engine's update does. The tree's size after
+// all moves is told as a share of a fresh build's.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -32,7 +35,9 @@ struct Arguments {
   std::size_t moves = 200, objects = 40;
 };
 
-double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -58,15 +63,18 @@ struct Series {
 };
 
 void place(Scene& scene, ObjectId id, const Pose& home, const Vec3& by) {
-  if (scene.set_pose(id, Eigen::Translation3d(by) * home) != Edit::done) throw Error("a pose was not set");
+  if (scene.set_pose(id, Eigen::Translation3d(by) * home) != Edit::done)
+    throw Error("a pose was not set");
 }
 
-// Moves every object in turn, a first time and then to and fro. move(object): brings what is measured up to date.
+// Moves every object in turn, a first time and then to and fro. move(object): brings what is
+// measured up to date.
 template <class Move>
 void for_each_move(Scene& scene, const Arguments& a, const Move& move) {
   std::vector<std::uint32_t> objects;
   const std::size_t count = scene.objects().size() - 1, taken = std::min(a.objects, count);
-  for (std::size_t k = 0; k < taken; ++k) objects.push_back(static_cast<std::uint32_t>(1 + k * count / taken));
+  for (std::size_t k = 0; k < taken; ++k)
+    objects.push_back(static_cast<std::uint32_t>(1 + k * count / taken));
   const std::size_t next = std::max<std::size_t>(1, a.moves / objects.size());
   for (const std::uint32_t object : objects) {
     const ObjectId id = scene.object_id(object);
@@ -93,11 +101,13 @@ ordered_json published(const scenes::SceneData& data, Joining joining, const Arg
     series.ms.push_back(ms_since(begin));
     const compare::TreeCounts& after = tree.counts();
     series.visits.push_back(static_cast<double>(after.visits - before.visits));
-    series.partitions.push_back(static_cast<double>(after.partitions + after.bounded - before.partitions - before.bounded));
+    series.partitions.push_back(
+        static_cast<double>(after.partitions + after.bounded - before.partitions - before.bounded));
     series.joins.push_back(static_cast<double>(after.joins - before.joins));
   });
   const PublishedTree fresh(scene, scene.lights()[0], joining);
-  const double growth = static_cast<double>(tree.counts().nodes()) / static_cast<double>(fresh.counts().nodes());
+  const double growth =
+      static_cast<double>(tree.counts().nodes()) / static_cast<double>(fresh.counts().nodes());
   return {{"joining", compare::name_of(joining)},
           {"build_ms", build},
           {"first", first.json()},
@@ -125,7 +135,8 @@ ordered_json engine(const scenes::SceneData& data, const Arguments& a) {
   });
   Engine fresh(scene, options);
   fresh.update();
-  const std::uint64_t nodes = engine.shadows(0).stats.nodes, new_nodes = fresh.shadows(0).stats.nodes;
+  const std::uint64_t nodes = engine.shadows(0).stats.nodes,
+                      new_nodes = fresh.shadows(0).stats.nodes;
   return {{"joining", "engine"},
           {"build_ms", build},
           {"first", first.json()},
@@ -140,21 +151,27 @@ void print(const std::string& scene, const ordered_json& row) {
     return row[series].contains(what) ? row[series][what].get<double>() : 0.0;
   };
   std::printf(
-      "%-15s %-9s build %9.3f  first %8.4f (mean %8.4f) next %8.4f (mean %8.4f) ms  visits %8.0f partitions %8.0f (first, mean)  growth "
+      "%-15s %-9s build %9.3f  first %8.4f (mean %8.4f) next %8.4f (mean %8.4f) ms  visits %8.0f "
+      "partitions %8.0f (first, mean)  growth "
       "%.2f\n",
-      scene.c_str(), row["joining"].get<std::string>().c_str(), row["build_ms"].get<double>(), number("first", "median_ms"),
-      number("first", "mean_ms"), number("next", "median_ms"), number("next", "mean_ms"), number("first", "visits"),
-      number("first", "partitions"), row["growth"].get<double>());
+      scene.c_str(), row["joining"].get<std::string>().c_str(), row["build_ms"].get<double>(),
+      number("first", "median_ms"), number("first", "mean_ms"), number("next", "median_ms"),
+      number("next", "mean_ms"), number("first", "visits"), number("first", "partitions"),
+      row["growth"].get<double>());
   std::fflush(stdout);
 }
 
 void run(const Arguments& a) {
   ordered_json rows = ordered_json::array();
-  for (const char* name : {"room:1", "room:2", "room:3", "room:4", "furnished_room", "city:30", "spheres:12", "triangles:500"}) {
+  for (const char* name : {"room:1", "room:2", "room:3", "room:4", "furnished_room", "city:30",
+                           "spheres:12", "triangles:500"}) {
     if (!a.only.empty() && std::find(a.only.begin(), a.only.end(), name) == a.only.end()) continue;
     const scenes::SceneData data = scenes::named(name);
-    ordered_json row{{"scene", name}, {"polygons", scenes::polygon_count(data)}, {"ways", ordered_json::array()}};
-    for (const Joining joining : {Joining::filter, Joining::merge, Joining::reinsert}) row["ways"].push_back(published(data, joining, a));
+    ordered_json row{{"scene", name},
+                     {"polygons", scenes::polygon_count(data)},
+                     {"ways", ordered_json::array()}};
+    for (const Joining joining : {Joining::filter, Joining::merge, Joining::reinsert})
+      row["ways"].push_back(published(data, joining, a));
     row["ways"].push_back(engine(data, a));
     for (const ordered_json& way : row["ways"]) print(name, way);
     rows.push_back(std::move(row));
@@ -167,9 +184,12 @@ void run(const Arguments& a) {
 int main(int argc, char** argv) {
   Arguments a;
   CLI::App app("What joining subtrees costs in the published tree", "shadowcut_bench_joining");
-  app.add_option("--only", a.only, "Scenes to measure (all)")->type_size(1)->allow_extra_args(false);
+  app.add_option("--only", a.only, "Scenes to measure (all)")
+      ->type_size(1)
+      ->allow_extra_args(false);
   app.add_option("--moves", a.moves, "Next moves in a scene (200)")->check(CLI::PositiveNumber);
-  app.add_option("--objects", a.objects, "Objects that move in a scene, at most (40)")->check(CLI::PositiveNumber);
+  app.add_option("--objects", a.objects, "Objects that move in a scene, at most (40)")
+      ->check(CLI::PositiveNumber);
   app.add_option("--json", a.json)->type_name("FILE");
   CLI11_PARSE(app, argc, argv);
   try {

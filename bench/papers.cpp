@@ -1,13 +1,18 @@
-// The papers' tables, made again: Slater 1992, tables 1 to 3, Chrysanthou & Slater 1995, table 1 (table 2, moves, is bench/edits.cpp's),
-// and how the same algorithms grow, beside what one would use otherwise: clipping face by face, Embree's rays, CGAL.
+// The papers' tables, made again: Slater 1992, tables 1 to 3, Chrysanthou & Slater 1995, table 1
+// (table 2, moves, is bench/edits.cpp's), and how the same algorithms grow, beside what one would
+// use otherwise: clipping face by face, Embree's rays, CGAL.
 //
-//   shadowcut_bench_papers --json bench/baseline/papers.json [--only slater|cs95|growth]... [--seconds S]
+//   shadowcut_bench_papers --json bench/baseline/papers.json [--only slater|cs95|growth]...
+//     [--seconds S]
 //
-// Their figures are of a SPARCstation, so only ratios compare; bench/papers_report.py sets them beside ours and writes docs/papers.md. In
-// the tables everything is as published: the first polygon is the root of each subtree of the scene BSP (Slater 1992, section 6), and the
-// ordered tree does not reunite its fragments. In the growth rows the BSP chooses among eight, and fragments are reunited.
+// Their figures are of a SPARCstation, so only ratios compare; bench/papers_report.py sets them
+// beside ours and writes docs/papers.md. In the tables everything is as published: the first
+// polygon is the root of each subtree of the scene BSP (Slater 1992, section 6), and the ordered
+// tree does not reunite its fragments. In the growth rows the BSP chooses among eight, and
+// fragments are reunited.
 //
-// Times: the smallest of some runs, milliseconds on one thread. Slater's exclude the scene BSP, and so do the tables.
+// Times: the smallest of some runs, milliseconds on one thread. Slater's exclude the scene BSP, and
+// so do the tables.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -41,10 +46,13 @@ struct Arguments {
 };
 
 // Whether to run once more: some runs, or one that takes long.
-bool again(int runs, double spent_ms) { return runs < 25 && (runs < 2 || spent_ms < 300) && spent_ms < 2000; }
+bool again(int runs, double spent_ms) {
+  return runs < 25 && (runs < 2 || spent_ms < 300) && spent_ms < 2000;
+}
 
 // The smallest times; counts are the same in all.
-std::vector<Result> best_of(const Scene& scene, std::span<const Light> lights, Algorithm algorithm, const Settings& settings) {
+std::vector<Result> best_of(const Scene& scene, std::span<const Light> lights, Algorithm algorithm,
+                            const Settings& settings) {
   std::vector<Result> best;
   double spent = 0;
   for (int run = 0; again(run, spent); ++run) {
@@ -64,7 +72,8 @@ std::vector<Result> best_of(const Scene& scene, std::span<const Light> lights, A
 ordered_json row_of(const std::vector<Result>& results) {
   double shadow_ms = 0, order_ms = 0;
   std::uint64_t shadow_polygons = 0;
-  for (const Result& r : results) shadow_ms += r.shadow_ms, order_ms += r.order_ms, shadow_polygons += r.shadow_polygons;
+  for (const Result& r : results)
+    shadow_ms += r.shadow_ms, order_ms += r.order_ms, shadow_polygons += r.shadow_polygons;
   const Result& last = results.back();
   return {{"faces_in", last.faces_in},
           {"faces_after_bsp", last.faces_after_bsp},
@@ -76,13 +85,15 @@ ordered_json row_of(const std::vector<Result>& results) {
           {"memory_bytes", last.memory_bytes}};
 }
 
-ordered_json run(const Scene& scene, std::span<const Light> lights, Algorithm algorithm, const Settings& settings) {
+ordered_json run(const Scene& scene, std::span<const Light> lights, Algorithm algorithm,
+                 const Settings& settings) {
   std::vector<Result> results = best_of(scene, lights, algorithm, settings);
   if (algorithm == Algorithm::brute || algorithm == Algorithm::tiling) {
     Settings counting = settings;
     counting.count_shadow_polygons = true;
     const std::vector<Result> counted = compare::cast(scene, lights, algorithm, counting);
-    for (std::size_t k = 0; k < results.size(); ++k) results[k].shadow_polygons = counted[k].shadow_polygons;
+    for (std::size_t k = 0; k < results.size(); ++k)
+      results[k].shadow_polygons = counted[k].shadow_polygons;
   }
   return row_of(results);
 }
@@ -105,11 +116,12 @@ ordered_json slater_row(const scenes::SceneData& data, std::span<const Light> li
   return row;
 }
 
-// Slater 1992, section 6: "the figures in the next section are all based on an array size 128 x 128. This turned out to be the optimal
-// resolution amongst the range considered".
+// Slater 1992, section 6: "the figures in the next section are all based on an array size 128 x
+// 128. This turned out to be the optimal resolution amongst the range considered".
 ordered_json resolutions() {
   ordered_json rows = ordered_json::array();
-  for (const scenes::SceneData& data : {scenes::slater_room(10), scenes::tetrahedron(3), scenes::tetrahedron(4)}) {
+  for (const scenes::SceneData& data :
+       {scenes::slater_room(10), scenes::tetrahedron(3), scenes::tetrahedron(4)}) {
     const Scene scene = scenes::build(data);
     for (const std::uint32_t tiles : {4u, 8u, 16u, 32u, 64u, 128u, 256u}) {
       Settings settings = as_published();
@@ -165,7 +177,8 @@ ordered_json cs95() {
 
 struct Family {
   const char* name;
-  std::uint32_t first, factor;  // sizes: the first, and each larger than the one before by about this in faces
+  // sizes: the first, and each larger than the one before by about this in faces
+  std::uint32_t first, factor;
   scenes::SceneData (*make)(std::uint32_t size);
 };
 
@@ -177,7 +190,9 @@ constexpr Family families[] = {
 
 std::uint32_t next_size(const Family& family, std::uint32_t size) {
   if (family.factor == 4) return size + 1;  // a level
-  return std::string_view(family.name) == "city" ? static_cast<std::uint32_t>(std::ceil(size * std::sqrt(2.0))) : size * 2;
+  return std::string_view(family.name) == "city"
+             ? static_cast<std::uint32_t>(std::ceil(size * std::sqrt(2.0)))
+             : size * 2;
 }
 
 struct Contestant {
@@ -196,7 +211,8 @@ ordered_json timed(const LitArea& lit_area) {
   for (int run = 0; again(run, spent); ++run) {
     const auto start = std::chrono::steady_clock::now();
     area = lit_area();
-    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    const double ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     best = std::min(best, ms), spent += ms;
   }
   return {{"order_ms", 0}, {"shadow_ms", best}, {"lit_area", area}};
@@ -213,7 +229,8 @@ ordered_json with_rays(const Scene& scene, const Light& light) {
   return timed([&] {
     const bench::Rays rays(device, scene, light);
     const auto is_lit = [&](const Vec3& x, const Vec3& normal) { return rays.is_lit(x, normal); };
-    const std::vector<double> areas = bench::areas_where(receivers, receivers.strata(256, false), is_lit);
+    const std::vector<double> areas =
+        bench::areas_where(receivers, receivers.strata(256, false), is_lit);
     return std::accumulate(areas.begin(), areas.end(), 0.0);
   });
 }
@@ -241,16 +258,21 @@ ordered_json growth(double seconds) {
   ordered_json rows = ordered_json::array();
   for (const Family& family : families) {
     std::map<std::string, bool> too_slow;
-    for (std::uint32_t size = family.first; too_slow.size() < std::size(contestants); size = next_size(family, size)) {
+    for (std::uint32_t size = family.first; too_slow.size() < std::size(contestants);
+         size = next_size(family, size)) {
       const scenes::SceneData data = family.make(size);
       const Scene scene = scenes::build(data);
       for (const Contestant& contestant : contestants) {
         if (too_slow.contains(contestant.name)) continue;
-        ordered_json row{{"family", family.name}, {"size", size}, {"faces", scene.faces().size()}, {"algorithm", contestant.name}};
+        ordered_json row{{"family", family.name},
+                         {"size", size},
+                         {"faces", scene.faces().size()},
+                         {"algorithm", contestant.name}};
         row.update(contestant.run(scene, data.light));
         const double ms = row["order_ms"].get<double>() + row["shadow_ms"].get<double>();
         if (ms > 1000 * seconds) too_slow[contestant.name] = true;
-        std::printf("growth: %s %u, %zu faces, %s: %.3f ms\n", family.name, size, scene.faces().size(), contestant.name, ms);
+        std::printf("growth: %s %u, %zu faces, %s: %.3f ms\n", family.name, size,
+                    scene.faces().size(), contestant.name, ms);
         std::fflush(stdout);
         rows.push_back(std::move(row));
       }
@@ -260,7 +282,9 @@ ordered_json growth(double seconds) {
 }
 
 void run(const Arguments& a) {
-  const auto wanted = [&](const char* group) { return a.only.empty() || std::find(a.only.begin(), a.only.end(), group) != a.only.end(); };
+  const auto wanted = [&](const char* group) {
+    return a.only.empty() || std::find(a.only.begin(), a.only.end(), group) != a.only.end();
+  };
   ordered_json document;
   if (wanted("slater")) document["slater1992"] = slater(), document["resolutions"] = resolutions();
   if (wanted("cs95")) document["cs95"] = cs95();
@@ -273,9 +297,12 @@ void run(const Arguments& a) {
 int main(int argc, char** argv) {
   Arguments a;
   CLI::App app("The papers' tables, made again", "shadowcut_bench_papers");
-  app.add_option("--only", a.only, "slater, cs95, growth")->check(CLI::IsMember({"slater", "cs95", "growth"}))->allow_extra_args(false);
+  app.add_option("--only", a.only, "slater, cs95, growth")
+      ->check(CLI::IsMember({"slater", "cs95", "growth"}))
+      ->allow_extra_args(false);
   app.add_option("--json", a.json, "Results")->type_name("FILE");
-  app.add_option("--seconds", a.seconds, "growth: an algorithm goes on to larger scenes until one takes longer (10)");
+  app.add_option("--seconds", a.seconds,
+                 "growth: an algorithm goes on to larger scenes until one takes longer (10)");
   CLI11_PARSE(app, argc, argv);
   try {
     run(a);

@@ -19,10 +19,10 @@ class Axis:
 
     def ticks(self):
         for power in range(self.low, self.high + 1):
-            yield 10.0 ** power, True
+            yield 10.0**power, True
             if power < self.high:
                 for k in range(2, 10):
-                    yield k * 10.0 ** power, False
+                    yield k * 10.0**power, False
 
 
 def count_text(value):
@@ -53,7 +53,10 @@ def mark(shape, x, y, colour, size=4.0, hollow=False):
     paint = f'fill="{"white" if hollow else colour}" stroke="{colour}" stroke-width="1.4"'
     if shape == "circle":
         return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{size}" {paint}/>'
-    across, up = {"square": ((-0.9, 0.9, 0.9, -0.9), (-0.9, -0.9, 0.9, 0.9)), "diamond": ((0, 1.3, 0, -1.3), (-1.3, 0, 1.3, 0)),
-                  "triangle": ((0, 1.15, -1.15), (-1.2, 0.9, 0.9))}[shape]
+    across, up = {
+        "square": ((-0.9, 0.9, 0.9, -0.9), (-0.9, -0.9, 0.9, 0.9)),
+        "diamond": ((0, 1.3, 0, -1.3), (-1.3, 0, 1.3, 0)),
+        "triangle": ((0, 1.15, -1.15), (-1.2, 0.9, 0.9)),
+    }[shape]
     corners = " ".join(f"{x + size * dx:.1f},{y + size * dy:.1f}" for dx, dy in zip(across, up))
     return f'<polygon points="{corners}" {paint}/>'

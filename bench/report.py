@@ -16,7 +16,9 @@ for b in json.load(open(sys.argv[1]))["benchmarks"]:
     if best is None or b["build_ms"] + b["emit_ms"] < best["build_ms"] + best["emit_ms"]:
         rows[name][threads] = b
 
-print("| scene | faces | build ms | emit ms | ns a face | two threads, ms | nodes | lit + shadowed fragments | MB | growth |")
+print(
+    "| scene | faces | build ms | emit ms | ns a face | two threads, ms | nodes | lit + shadowed fragments | MB | growth |"
+)
 print("|---|---|---|---|---|---|---|---|---|---|")
 last = {}
 for name, r in rows.items():
@@ -29,5 +31,7 @@ for name, r in rows.items():
     if kind in last and one["faces"] > 1.5 * last[kind][0]:
         growth = f"{math.log(total / last[kind][1]) / math.log(one['faces'] / last[kind][0]):.2f}"
     last[kind] = (one["faces"], total)
-    print(f"| {name} | {one['faces']:.0f} | {one['build_ms']:.2f} | {one['emit_ms']:.2f} | {one['ns_per_face']:.0f} | {two['build_ms'] + two['emit_ms']:.2f} "
-          f"| {one['nodes']:.0f} | {one['lit']:.0f} + {one['shadowed']:.0f} | {one['bytes'] / 1e6:.1f} | {growth} |")
+    print(
+        f"| {name} | {one['faces']:.0f} | {one['build_ms']:.2f} | {one['emit_ms']:.2f} | {one['ns_per_face']:.0f} | {two['build_ms'] + two['emit_ms']:.2f} "
+        f"| {one['nodes']:.0f} | {one['lit']:.0f} + {one['shadowed']:.0f} | {one['bytes'] / 1e6:.1f} | {growth} |"
+    )

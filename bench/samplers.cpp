@@ -32,18 +32,24 @@ Receivers::Receivers(const Scene& scene, const Light& light, std::span<const Fac
     double area = 0;
     for (const Facet& facet : scene.facets().subspan(face.first_facet, face.facet_count)) {
       const Plane& plane = scene.planes()[facet.plane];
-      const double side = light.kind == Light::Kind::point ? plane.normal.dot(light.at - plane.point) : -plane.normal.dot(light.at);
+      const double side = light.kind == Light::Kind::point
+                              ? plane.normal.dot(light.at - plane.point)
+                              : -plane.normal.dot(light.at);
       const auto corners = scene.corners_of(facet);
-      const auto at = [&](std::size_t k) -> const Vec3& { return scene.vertices()[corners[k].vertex]; };
+      const auto at = [&](std::size_t k) -> const Vec3& {
+        return scene.vertices()[corners[k].vertex];
+      };
       for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
         const Vec3 ab = at(k) - at(0), ac = at(k + 1) - at(0);
         const double begin = area;
         area += 0.5 * ab.cross(ac).norm();
         if (area > begin)
-          triangles_.push_back({at(0), ab, ac, side < 0 ? Vec3(-plane.normal) : plane.normal, begin, area, closed && side <= 0});
+          triangles_.push_back({at(0), ab, ac, side < 0 ? Vec3(-plane.normal) : plane.normal, begin,
+                                area, closed && side <= 0});
       }
     }
-    for (std::size_t k = first; k < triangles_.size(); ++k) triangles_[k].begin /= area, triangles_[k].end /= area;
+    for (std::size_t k = first; k < triangles_.size(); ++k)
+      triangles_[k].begin /= area, triangles_[k].end /= area;
     faces_.push_back({f, first, triangles_.size() - first, areas[f].area});
     area_ += areas[f].area;
   }
@@ -55,7 +61,8 @@ Receivers::Target Receivers::target(std::size_t i) const {
 }
 
 std::vector<std::uint32_t> Receivers::strata(std::uint32_t samples, bool by_area) const {
-  const double least = std::min(samples, 4u), total = static_cast<double>(samples) * static_cast<double>(faces_.size());
+  const double least = std::min(samples, 4u),
+               total = static_cast<double>(samples) * static_cast<double>(faces_.size());
   std::vector<std::uint32_t> all;
   for (const Range& r : faces_) {
     const double n = by_area ? std::max(least, total * (r.area / area_)) : samples;
@@ -78,17 +85,19 @@ Rays::Rays(const RayDevice& device, const Scene& scene, const Light& light) : li
   for (const Facet& facet : scene.facets())
     if (casts(scene, facet)) triangles += facet.corner_count - 2;
   const RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                                               std::max<std::size_t>(1, scene.vertices().size())));
-  auto* indices = static_cast<std::uint32_t*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangles));
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+      std::max<std::size_t>(1, scene.vertices().size())));
+  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangles));
   for (const Vec3& v : scene.vertices())
     for (int axis = 0; axis < 3; ++axis) *vertices++ = static_cast<float>(v[axis] - middle_[axis]);
   for (const Facet& facet : scene.facets()) {
     if (!casts(scene, facet)) continue;
     const auto corners = scene.corners_of(facet);
     for (std::size_t k = 1; k + 1 < corners.size(); ++k)
-      for (const std::size_t corner : {std::size_t{0}, k, k + 1}) *indices++ = corners[corner].vertex;
+      for (const std::size_t corner : {std::size_t{0}, k, k + 1})
+        *indices++ = corners[corner].vertex;
   }
   rtcCommitGeometry(geometry);
   scene_.reset(rtcNewScene(device.get()));
@@ -126,9 +135,11 @@ int cube_face(const Vec3& away) {
   return 2 * axis + (away[axis] < 0 ? 1 : 0);
 }
 
-// What is seen along the third of three directions, through a window of the given bounds (of x / z and y / z, or of x and y).
-Eigen::Matrix4d view_map(const Eigen::Matrix3d& axes, const Vec3& eye, const Eigen::AlignedBox2d& window,
-                         const Eigen::RowVector4d& nearness, const Eigen::RowVector4d& weight, double side) {
+// What is seen along the third of three directions, through a window of the given bounds (of x / z
+// and y / z, or of x and y).
+Eigen::Matrix4d view_map(const Eigen::Matrix3d& axes, const Vec3& eye,
+                         const Eigen::AlignedBox2d& window, const Eigen::RowVector4d& nearness,
+                         const Eigen::RowVector4d& weight, double side) {
   Eigen::Matrix4d map;
   for (int k = 0; k < 2; ++k) {
     Eigen::RowVector4d r;
@@ -156,9 +167,12 @@ void widen(Eigen::AlignedBox2d& window, double side) {
 
 }  // namespace
 
-ShadowMap::ShadowMap(const Scene& scene, const Light& light, std::uint32_t side) : side_(side), light_(light.at) {
+ShadowMap::ShadowMap(const Scene& scene, const Light& light, std::uint32_t side)
+    : side_(side), light_(light.at) {
   const Eigen::AlignedBox3d box = bounds(scene);
-  const auto corner = [&](int k) { return box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k)); };
+  const auto corner = [&](int k) {
+    return box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k));
+  };
   const bool is_point = light.kind == Light::Kind::point;
   const Eigen::Matrix3d axes = axes_along(is_point ? Vec3(box.center() - light.at) : light.at);
   Eigen::AlignedBox2d window;
@@ -166,7 +180,8 @@ ShadowMap::ShadowMap(const Scene& scene, const Light& light, std::uint32_t side)
   for (int k = 0; k < 8; ++k) {
     const Vec3 local = axes.transpose() * (is_point ? Vec3(corner(k) - light.at) : corner(k));
     depths.extend(Eigen::AlignedBox1d::VectorType(local.z()));
-    window.extend(is_point ? Eigen::Vector2d(local.head<2>() / local.z()) : Eigen::Vector2d(local.head<2>()));
+    window.extend(is_point ? Eigen::Vector2d(local.head<2>() / local.z())
+                           : Eigen::Vector2d(local.head<2>()));
   }
   widen(window, side);
   nearest_ = 1e-6 * box.diagonal().norm();
@@ -176,8 +191,9 @@ ShadowMap::ShadowMap(const Scene& scene, const Light& light, std::uint32_t side)
     Eigen::RowVector4d nearness;
     nearness << -axes.col(2).transpose() / depth, 1 + depths.min()[0] / depth;
     add_view(view_map(axes, light_, window, nearness, {0, 0, 0, 1}, side));
-  } else if (const double steepest = 4;
-             depths.min()[0] > nearest_ && window.min().minCoeff() > -steepest && window.max().maxCoeff() < steepest) {
+  } else if (const double steepest = 4; depths.min()[0] > nearest_ &&
+                                        window.min().minCoeff() > -steepest &&
+                                        window.max().maxCoeff() < steepest) {
     Eigen::RowVector4d weight;
     weight << axes.col(2).transpose(), -axes.col(2).dot(light.at);
     add_view(view_map(axes, light.at, window, {0, 0, 0, 1}, weight, side));
@@ -185,7 +201,8 @@ ShadowMap::ShadowMap(const Scene& scene, const Light& light, std::uint32_t side)
     for (int k = 0; k < 6; ++k) {
       const Vec3 direction = (k % 2 == 0 ? 1 : -1) * Vec3::Unit(k / 2);
       const Eigen::Matrix3d cube_axes =
-          (Eigen::Matrix3d() << Vec3::Unit((k / 2 + 1) % 3), Vec3::Unit((k / 2 + 2) % 3), direction).finished();
+          (Eigen::Matrix3d() << Vec3::Unit((k / 2 + 1) % 3), Vec3::Unit((k / 2 + 2) % 3), direction)
+              .finished();
       Eigen::RowVector4d weight;
       weight << direction.transpose(), -direction.dot(light.at);
       Eigen::AlignedBox2d square(Eigen::Vector2d(-1, -1), Eigen::Vector2d(1, 1));
@@ -203,7 +220,8 @@ void ShadowMap::add_view(const Eigen::Matrix4d& map) {
 
 void ShadowMap::draw(View& view, const Scene& scene) const {
   const Eigen::RowVector4d x = view.map.row(0), y = view.map.row(1), weight = view.map.row(3);
-  const Eigen::RowVector4d planes[] = {weight - nearest_ * Eigen::RowVector4d(0, 0, 0, 1), x, side_ * weight - x, y, side_ * weight - y};
+  const Eigen::RowVector4d planes[] = {weight - nearest_ * Eigen::RowVector4d(0, 0, 0, 1), x,
+                                       side_ * weight - x, y, side_ * weight - y};
   std::vector<Vec3> polygon, scratch;
   for (const Facet& facet : scene.facets()) {
     if (!casts(scene, facet)) continue;
@@ -225,8 +243,12 @@ void ShadowMap::fill(View& view, std::span<const Vec3> polygon) const {
     top = std::min(top, polygon[k].y()), bottom = std::max(bottom, polygon[k].y());
   }
   if (normal.z() == 0) return;
-  const double dx = -normal.x() / normal.z(), dy = -normal.y() / normal.z(), slope = 0.5 * std::max(std::abs(dx), std::abs(dy));
-  const auto texel = [&](double x) { return static_cast<std::int32_t>(std::clamp(std::ceil(x - 0.5), 0.0, static_cast<double>(side_))); };
+  const double dx = -normal.x() / normal.z(), dy = -normal.y() / normal.z(),
+               slope = 0.5 * std::max(std::abs(dx), std::abs(dy));
+  const auto texel = [&](double x) {
+    return static_cast<std::int32_t>(
+        std::clamp(std::ceil(x - 0.5), 0.0, static_cast<double>(side_)));
+  };
   for (std::int32_t row = texel(top); row < texel(bottom); ++row) {
     const double y = row + 0.5;
     double left = side_, right = 0;
@@ -237,10 +259,13 @@ void ShadowMap::fill(View& view, std::span<const Vec3> polygon) const {
       left = std::min(left, x), right = std::max(right, x);
     }
     const std::int32_t begin = texel(left), count = texel(right) - begin;
-    const double start = polygon[0].z() + dx * (begin + 0.5 - polygon[0].x()) + dy * (y - polygon[0].y());
-    const auto from = static_cast<float>(start - slope - 4 * 0x1p-24 * std::abs(start)), step = static_cast<float>(dx);
+    const double start =
+        polygon[0].z() + dx * (begin + 0.5 - polygon[0].x()) + dy * (y - polygon[0].y());
+    const auto from = static_cast<float>(start - slope - 4 * 0x1p-24 * std::abs(start)),
+               step = static_cast<float>(dx);
     float* texels = view.nearness.data() + static_cast<std::size_t>(row) * side_ + begin;
-    for (std::int32_t k = 0; k < count; ++k) texels[k] = std::max(texels[k], from + step * static_cast<float>(k));
+    for (std::int32_t k = 0; k < count; ++k)
+      texels[k] = std::max(texels[k], from + step * static_cast<float>(k));
   }
 }
 
@@ -252,7 +277,9 @@ bool ShadowMap::is_lit(const Vec3& x, const Vec3& normal) const {
   const View& view = view_of(x);
   const double off = 0.5 * view.texel * view.map.row(3).dot(x.homogeneous());
   const Vec3 p = (view.map * Vec3(x + off * normal).homogeneous()).hnormalized();
-  const auto texel = [&](double c) { return static_cast<std::size_t>(std::clamp(c, 0.0, side_ - 1.0)); };
+  const auto texel = [&](double c) {
+    return static_cast<std::size_t>(std::clamp(c, 0.0, side_ - 1.0));
+  };
   return static_cast<float>(p.z()) >= view.nearness[texel(p.y()) * side_ + texel(p.x())];
 }
 

@@ -1,8 +1,10 @@
-// What exact shadows are measured against: shadow rays and a shadow map, each as one would write it with care. Both say of a point whether
-// it is lit; the lit area of a face is then the share of its sample points that are, times its area. On one thread, without a GPU.
+// What exact shadows are measured against: shadow rays and a shadow map, each as one would write it
+// with care. Both say of a point whether it is lit; the lit area of a face is then the share of its
+// sample points that are, times its area. On one thread, without a GPU.
 //
-// Both are asked the engine's question: is there, strictly between the point and the light, a face that casts? Faces turned away from the
-// light (the engine's FaceArea::facing) are not sampled, and of a face in several facets those that are turned away are dark.
+// Both are asked the engine's question: is there, strictly between the point and the light, a face
+// that casts? Faces turned away from the light (the engine's FaceArea::facing) are not sampled, and
+// of a face in several facets those that are turned away are dark.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -36,11 +38,12 @@ class Receivers {
   std::size_t size() const { return faces_.size(); }
   Target target(std::size_t i) const;
 
-  // Strata along each side of a face, for so many samples a face in the mean: the same for all, or by area, but at least four a face, or as
-  // many as asked for.
+  // Strata along each side of a face, for so many samples a face in the mean: the same for all, or
+  // by area, but at least four a face, or as many as asked for.
   std::vector<std::uint32_t> strata(std::uint32_t samples, bool by_area) const;
 
-  // Calls visit(point, normal) at a random place in each of strata x strata parts of a face, and returns for how many it returned true.
+  // Calls visit(point, normal) at a random place in each of strata x strata parts of a face, and
+  // returns for how many it returned true.
   template <class Visit>
   static std::size_t count(const Target& target, std::uint32_t strata, const Visit& visit) {
     scenes::Random random(target.face * 0x10001ull + strata);
@@ -75,13 +78,16 @@ class Receivers {
 
 // The area on each receiver for whose sample points the predicate holds, by Receivers' index.
 template <class Predicate>
-std::vector<double> areas_where(const Receivers& receivers, std::span<const std::uint32_t> strata, const Predicate& predicate) {
+std::vector<double> areas_where(const Receivers& receivers, std::span<const std::uint32_t> strata,
+                                const Predicate& predicate) {
   std::vector<double> areas;
   areas.reserve(receivers.size());
   for (std::size_t i = 0; i < receivers.size(); ++i) {
     const Receivers::Target target = receivers.target(i);
     const auto samples = static_cast<double>(strata[i]) * strata[i];
-    areas.push_back(target.area * (static_cast<double>(Receivers::count(target, strata[i], predicate)) / samples));
+    areas.push_back(
+        target.area *
+        (static_cast<double>(Receivers::count(target, strata[i], predicate)) / samples));
   }
   return areas;
 }
@@ -99,8 +105,9 @@ class RayDevice {
   std::unique_ptr<RTCDeviceTy, Free> device_;
 };
 
-// Embree's rtcOccluded1, in the robust mode. Single precision: coordinates are taken from the scene's middle, and a ray starts 2^-20 of
-// the scene's radius off its face, towards the light, so that neither the face itself nor one that touches it is in the way.
+// Embree's rtcOccluded1, in the robust mode. Single precision: coordinates are taken from the
+// scene's middle, and a ray starts 2^-20 of the scene's radius off its face, towards the light, so
+// that neither the face itself nor one that touches it is in the way.
 class Rays {
  public:
   Rays(const RayDevice& device, const Scene& scene, const Light& light);
@@ -116,10 +123,11 @@ class Rays {
   std::unique_ptr<RTCSceneTy, Free> scene_;
 };
 
-// A depth image from the light in single precision, or for a light among the faces a cube of six. The window is fitted around the scene,
-// and the nearest texel answers. Against self-shadowing, what is drawn is moved away from the light by slope x 0.5 + 4 units, as OpenGL's
-// polygon offset does, and what is looked up half a texel off its face: of slopes 0, 0.5, 1.1 and 0, 0.5, 1, 1.5 texels these gave the
-// smallest errors.
+// A depth image from the light in single precision, or for a light among the faces a cube of six.
+// The window is fitted around the scene, and the nearest texel answers. Against self-shadowing,
+// what is drawn is moved away from the light by slope x 0.5 + 4 units, as OpenGL's polygon offset
+// does, and what is looked up half a texel off its face: of slopes 0, 0.5, 1.1 and 0, 0.5, 1, 1.5
+// texels these gave the smallest errors.
 class ShadowMap {
  public:
   ShadowMap(const Scene& scene, const Light& light, std::uint32_t side);

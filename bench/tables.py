@@ -10,7 +10,13 @@ def ratio(value):
 
 
 def percent(value):
-    return f"{100 * value:.0f} %" if value >= 0.1 else f"{100 * value:.1f} %" if value >= 0.001 else f"{100 * value:.2g} %"
+    return (
+        f"{100 * value:.0f} %"
+        if value >= 0.1
+        else f"{100 * value:.1f} %"
+        if value >= 0.001
+        else f"{100 * value:.2g} %"
+    )
 
 
 def rows_of(head, rows):
@@ -21,4 +27,6 @@ def rows_of(head, rows):
 
 
 def verdict(claim, holds, evidence, why=""):
-    yield f"- **{'Agrees' if holds else 'Does not agree'}.** {claim} {evidence}" + (f" {why}" if why and not holds else "")
+    yield f"- **{'Agrees' if holds else 'Does not agree'}.** {claim} {evidence}" + (
+        f" {why}" if why and not holds else ""
+    )

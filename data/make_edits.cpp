@@ -1,11 +1,15 @@
-// Writes a long random script of edits for `shadowcut replay`: make_edits SCENE SEED COUNT > edits.jsonl
+// Writes a long random script of edits for `shadowcut replay`: make_edits SCENE SEED COUNT >
+// edits.jsonl
 //
-// SCENE is a file, or the name of a made scene (city:100; make_scenes writes its file). The same seed gives the same script, to the byte,
-// on every machine: nothing here depends on the standard library's distributions or sines.
+// SCENE is a file, or the name of a made scene (city:100; make_scenes writes its file). The same
+// seed gives the same script, to the byte, on every machine: nothing here depends on the standard
+// library's distributions or sines.
 //
-// COUNT edits in groups of random size, an update after each. What is moved is chosen evenly among the objects whose names are unique. Half
-// of the edits are small moves; the others go far, come home to the bit, slide along an axis (so that what touched still touches), pass
-// through a light, meet another object, turn by angles whose sines are rational, are scaled, vanish and come back; and lights move.
+// COUNT edits in groups of random size, an update after each. What is moved is chosen evenly among
+// the objects whose names are unique. Half of the edits are small moves; the others go far, come
+// home to the bit, slide along an axis (so that what touched still touches), pass through a light,
+// meet another object, turn by angles whose sines are rational, are scaled, vanish and come back;
+// and lights move.
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <iostream>
@@ -40,7 +44,9 @@ std::string digits(double x) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
 }
 
-std::string text_of(const Vec3& v) { return "[" + digits(v.x()) + "," + digits(v.y()) + "," + digits(v.z()) + "]"; }
+std::string text_of(const Vec3& v) {
+  return "[" + digits(v.x()) + "," + digits(v.y()) + "," + digits(v.z()) + "]";
+}
 
 Vec3 to_grid(const Vec3& v) {
   return v.unaryExpr([](double x) { return scenes::to_grid(x); });
@@ -54,7 +60,8 @@ class Script {
     for (const Object& o : scene.objects()) {
       if (names[o.name] > 1 || o.vertex_count == 0) continue;
       Thing thing{o.name, {}};
-      for (std::uint32_t v = 0; v < o.vertex_count; ++v) thing.box.extend(scene.vertices()[o.first_vertex + v]);
+      for (std::uint32_t v = 0; v < o.vertex_count; ++v)
+        thing.box.extend(scene.vertices()[o.first_vertex + v]);
       world_.extend(thing.box);
       homes_.push_back(o.pose);
       things_.push_back(std::move(thing));
@@ -94,7 +101,8 @@ class Script {
     if (dice < 32) return go_home(out, thing, index);
     const Vec3 by = step(thing, dice);
     thing.shift += by;
-    out << "{\"op\":\"move\",\"object\":" << quoted(thing.name) << ",\"translate\":" << text_of(by) << "}\n";
+    out << "{\"op\":\"move\",\"object\":" << quoted(thing.name) << ",\"translate\":" << text_of(by)
+        << "}\n";
   }
 
   Vec3 step(const Thing& thing, std::uint64_t dice) {
@@ -102,16 +110,20 @@ class Script {
     const Vec3 now = thing.box.center() + thing.shift;
     if (dice < 36 && !lights_.empty()) {  // through a light
       const Light& light = lights_[random_.below(lights_.size())];
-      if (light.kind == Light::Kind::point) return to_grid(light.at + random_.in_ball(1) * (0.3 * size) - now);
+      if (light.kind == Light::Kind::point)
+        return to_grid(light.at + random_.in_ball(1) * (0.3 * size) - now);
     }
     if (dice < 42) {  // to where another thing was at home: standing in it, or just above it
       const Thing& other = things_[random_.below(things_.size())];
       const double up = random_.below(2) == 0 ? 0 : other.box.max().z() - thing.box.min().z();
       const Vec3 flat = other.box.center() - thing.box.center();
-      return to_grid(Vec3(flat.x() - thing.shift.x(), flat.y() - thing.shift.y(), up - thing.shift.z()));
+      return to_grid(
+          Vec3(flat.x() - thing.shift.x(), flat.y() - thing.shift.y(), up - thing.shift.z()));
     }
-    if (dice < 50) return to_grid(world_.center() + random_.in_ball(1) * (0.6 * world) - now);  // anywhere, walls or not
-    if (dice < 65) {                                                                            // along an axis
+    // anywhere, walls or not
+    if (dice < 50) return to_grid(world_.center() + random_.in_ball(1) * (0.6 * world) - now);
+    // along an axis
+    if (dice < 65) {
       Vec3 by = Vec3::Zero();
       by[static_cast<Eigen::Index>(random_.below(3))] = random_.in(-size, size);
       return by;
@@ -134,18 +146,22 @@ class Script {
     write_pose(out, thing, homes_[index]);
   }
 
-  // About the object's middle, by an angle of which sine and cosine are rational, now and then larger or smaller.
+  // About the object's middle, by an angle of which sine and cosine are rational, now and then
+  // larger or smaller.
   void turn(std::ostream& out, Thing& thing, std::size_t index) {
-    static constexpr double angles[][2] = {{0, 1}, {-1, 0}, {0.8, 0.6}, {0.28, 0.96}, {0.96, -0.28}};
+    static constexpr double angles[][2] = {
+        {0, 1}, {-1, 0}, {0.8, 0.6}, {0.28, 0.96}, {0.96, -0.28}};
     const auto axis = static_cast<Eigen::Index>(random_.below(4) == 0 ? random_.below(3) : 2);
     const auto& [c, s] = angles[random_.below(5)];
     const double scale = random_.below(5) == 0 ? random_.in(0.5, 1.5) : 1;
     Pose turned = Pose::Identity();
     const Eigen::Index a = (axis + 1) % 3, b = (axis + 2) % 3;
-    turned(a, a) = scale * c, turned(a, b) = -scale * s, turned(b, a) = scale * s, turned(b, b) = scale * c;
+    turned(a, a) = scale * c, turned(a, b) = -scale * s, turned(b, a) = scale * s,
+              turned(b, b) = scale * c;
     turned(axis, axis) = scale;
     const Vec3 middle = to_grid(Vec3(thing.box.center()));
-    const Pose pose = Eigen::Translation3d(middle + thing.shift) * turned * Eigen::Translation3d(-middle) * homes_[index];
+    const Pose pose = Eigen::Translation3d(middle + thing.shift) * turned *
+                      Eigen::Translation3d(-middle) * homes_[index];
     write_pose(out, thing, pose);
   }
 
@@ -159,7 +175,8 @@ class Script {
   void move_light(std::ostream& out) {
     const std::size_t k = random_.below(lights_.size());
     Light& light = lights_[k];
-    if (light.kind == Light::Kind::point) light.at += to_grid(random_.in_ball(1) * (0.02 * world_.diagonal().norm()));
+    if (light.kind == Light::Kind::point)
+      light.at += to_grid(random_.in_ball(1) * (0.02 * world_.diagonal().norm()));
     else light.at = to_grid(Vec3(light.at.normalized() + random_.in_ball(0.25)));
     out << "{\"op\":\"light\",\"light\":" << k << ",\"at\":" << text_of(light.at) << "}\n";
   }
@@ -210,14 +227,19 @@ void run(const Arguments& a) {
 int main(int argc, char** argv) {
   CLI::App app("Writes a random script of edits", "make_edits");
   Arguments a;
-  app.add_option("SCENE", a.scene, "A scene file, or the name of a made scene such as city:100")->required();
+  app.add_option("SCENE", a.scene, "A scene file, or the name of a made scene such as city:100")
+      ->required();
   app.add_option("SEED", a.seed)->required();
   app.add_option("COUNT", a.count, "How many edits")->required();
-  app.add_option("--per-update", a.most, "The most edits before an update (4)")->check(CLI::PositiveNumber);
-  app.add_option("--light", a.lights, "x,y,z, where a point light is at first; none: the scene's own lights, and none moves if it has none")
+  app.add_option("--per-update", a.most, "The most edits before an update (4)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--light", a.lights,
+                 "x,y,z, where a point light is at first; none: the scene's own lights, and none "
+                 "moves if it has none")
       ->type_size(1)
       ->allow_extra_args(false);
-  app.add_option("--objects", a.objects, "Only so many objects are touched")->check(CLI::PositiveNumber);
+  app.add_option("--objects", a.objects, "Only so many objects are touched")
+      ->check(CLI::PositiveNumber);
   app.add_flag("--keep", a.keep, "Nothing is removed");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -1,5 +1,6 @@
-// Writes the shipped scenes: make_scenes FOLDER. An OBJ each, in world coordinates with all their digits; scenes.json with their lights;
-// and room4_edits.jsonl, a computer's way across the fourth room. Or any scene's OBJ: make_scenes FOLDER NAME..., with names as city:100.
+// Writes the shipped scenes: make_scenes FOLDER. An OBJ each, in world coordinates with all their
+// digits; scenes.json with their lights; and room4_edits.jsonl, a computer's way across the fourth
+// room. Or any scene's OBJ: make_scenes FOLDER NAME..., with names as city:100.
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -42,14 +43,19 @@ std::string obj(const SceneData& data) {
   return text;
 }
 
-// A computer of room(4) is lifted over its neighbours, carried across the room below the lamp, and put on the floor: 40 updates.
+// A computer of room(4) is lifted over its neighbours, carried across the room below the lamp, and
+// put on the floor: 40 updates.
 std::string walk() {
   constexpr int steps = 40;
   std::string text;
   for (int k = 1; k <= steps; ++k) {
     const char* by = k == 1 ? "[0,0,0.5]" : k == steps ? "[0,0,-1.23]" : "[0.25,0.15625,0]";
     for (const char* object : {"computer.1", "screen.1"})
-      text.append("{\"op\":\"move\",\"object\":\"").append(object).append("\",\"translate\":").append(by).append("}\n");
+      text.append("{\"op\":\"move\",\"object\":\"")
+          .append(object)
+          .append("\",\"translate\":")
+          .append(by)
+          .append("}\n");
     text += "{\"op\":\"update\"}\n";
   }
   return text;
@@ -80,15 +86,17 @@ int write_obj(const std::string& folder, const SceneData& data) {
     std::cerr << "cannot write " << path << "\n";
     return 2;
   }
-  std::printf("%-16s %6zu polygons, light %s\n", data.name.c_str(), polygon_count(data), spec(data.light).c_str());
+  std::printf("%-16s %6zu polygons, light %s\n", data.name.c_str(), polygon_count(data),
+              spec(data.light).c_str());
   return 0;
 }
 
 int write_shipped(const std::string& folder) {
   namespace make = shadowcut::scenes;
-  const SceneData all[] = {make::room(1),           make::room(2),        make::room(3),        make::room(4),
-                           make::tetrahedron(2),    make::tetrahedron(3), make::tetrahedron(4), make::city(8),
-                           make::spheres(5, 12, 8), make::triangles(200), make::branch(3)};
+  const SceneData all[] = {make::room(1),        make::room(2),        make::room(3),
+                           make::room(4),        make::tetrahedron(2), make::tetrahedron(3),
+                           make::tetrahedron(4), make::city(8),        make::spheres(5, 12, 8),
+                           make::triangles(200), make::branch(3)};
   std::string index;
   for (const SceneData& data : all) {
     if (const int status = write_obj(folder, data); status != 0) return status;
@@ -96,7 +104,10 @@ int write_shipped(const std::string& folder) {
     index += "  \"" + data.name + ".obj\": {\"light\": \"" + spec(data.light) + "\", ";
     index += "\"polygons\": " + std::to_string(polygon_count(data)) + "}";
   }
-  return write(folder + "/scenes.json", index + "\n}\n") && write(folder + "/room4_edits.jsonl", walk()) ? 0 : 2;
+  return write(folder + "/scenes.json", index + "\n}\n") &&
+                 write(folder + "/room4_edits.jsonl", walk())
+             ? 0
+             : 2;
 }
 
 }  // namespace
@@ -109,7 +120,8 @@ int main(int argc, char** argv) {
   if (argc == 2) return write_shipped(argv[1]);
   for (int i = 2; i < argc; ++i) {
     try {
-      if (const int status = write_obj(argv[1], shadowcut::scenes::named(argv[i])); status != 0) return status;
+      if (const int status = write_obj(argv[1], shadowcut::scenes::named(argv[i])); status != 0)
+        return status;
     } catch (const shadowcut::Error& error) {
       std::cerr << error.what() << "\n";
       return 2;

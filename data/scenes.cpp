@@ -1,4 +1,5 @@
-// See scenes.hpp. Furniture is modelled with its back at y = 0, standing on z = 0, and posed against a wall.
+// See scenes.hpp. Furniture is modelled with its back at y = 0, standing on z = 0, and posed
+// against a wall.
 #include "scenes.hpp"
 
 #include <algorithm>
@@ -53,7 +54,9 @@ std::size_t polygon_count(const SceneData& data) {
 
 Mesh box(const Vec3& lo, const Vec3& hi) {
   Mesh mesh;
-  for (int k = 0; k < 8; ++k) mesh.vertices.emplace_back(k & 1 ? hi.x() : lo.x(), k & 2 ? hi.y() : lo.y(), k & 4 ? hi.z() : lo.z());
+  for (int k = 0; k < 8; ++k)
+    mesh.vertices.emplace_back(k & 1 ? hi.x() : lo.x(), k & 2 ? hi.y() : lo.y(),
+                               k & 4 ? hi.z() : lo.z());
   mesh.add_face({0, 2, 3, 1});
   mesh.add_face({4, 5, 7, 6});
   mesh.add_face({0, 1, 5, 4});
@@ -89,14 +92,18 @@ Mesh rectangle(const Vec3& corner, const Vec3& u, const Vec3& v) {
 Mesh uv_sphere(const Vec3& centre, double radius, std::uint32_t segments, std::uint32_t rings) {
   Mesh mesh;
   const auto point = [&](double polar, double turn) -> Vec3 {
-    const Vec3 unit(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar));
+    const Vec3 unit(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn),
+                    std::cos(polar));
     return centre + unit.unaryExpr([&](double x) { return to_grid(radius * x); });
   };
   mesh.vertices = {point(0, 0), point(std::numbers::pi, 0)};
   for (std::uint32_t r = 1; r < rings; ++r)
     for (std::uint32_t s = 0; s < segments; ++s)
-      mesh.vertices.push_back(point(std::numbers::pi * r / rings, 2 * std::numbers::pi * s / segments));
-  const auto at = [&](std::uint32_t r, std::uint32_t s) { return 2 + (r - 1) * segments + s % segments; };
+      mesh.vertices.push_back(
+          point(std::numbers::pi * r / rings, 2 * std::numbers::pi * s / segments));
+  const auto at = [&](std::uint32_t r, std::uint32_t s) {
+    return 2 + (r - 1) * segments + s % segments;
+  };
   for (std::uint32_t s = 0; s < segments; ++s) {
     mesh.add_face({0, at(1, s), at(1, s + 1)});
     mesh.add_face({1, at(rings - 1, s + 1), at(rings - 1, s)});
@@ -133,7 +140,9 @@ void add(SceneData& data, Mesh mesh, std::string name, const Pose& pose = Pose::
   data.objects.emplace_back(std::move(mesh), std::move(settings));
 }
 
-std::string numbered(const char* what, std::size_t k) { return std::string(what) + "." + std::to_string(k); }
+std::string numbered(const char* what, std::size_t k) {
+  return std::string(what) + "." + std::to_string(k);
+}
 
 // A turn by (c, s) about z, then a shift. Quarter turns are exact.
 Pose placed(double c, double s, double x, double y) {
@@ -143,7 +152,8 @@ Pose placed(double c, double s, double x, double y) {
   return pose;
 }
 
-// Furniture against the walls of a room of w by d: its back touches the wall, its left end is `along` from the wall's beginning.
+// Furniture against the walls of a room of w by d: its back touches the wall, its left end is
+// `along` from the wall's beginning.
 struct Walls {
   double w, d;
   Pose south(double along) const { return placed(1, 0, along, 0); }
@@ -157,11 +167,13 @@ Mesh desk() {
   constexpr double leg = 0.06, under = kDeskHeight - 0.03;
   Mesh mesh = box({0, 0, under}, {kDeskWidth, kDeskDepth, kDeskHeight});
   for (const double x : {0.0, kDeskWidth - leg})
-    for (const double y : {0.0, kDeskDepth - leg}) append(mesh, box({x, y, 0}, {x + leg, y + leg, under}));
+    for (const double y : {0.0, kDeskDepth - leg})
+      append(mesh, box({x, y, 0}, {x + leg, y + leg, under}));
   return mesh;
 }
 
-// 23 faces: base unit, stand and monitor upon it, and a keyboard that is a wedge. The screen is an object of its own.
+// 23 faces: base unit, stand and monitor upon it, and a keyboard that is a wedge. The screen is an
+// object of its own.
 Mesh computer(double x) {
   constexpr double z = kDeskHeight, stand = z + 0.12, screen = stand + 0.06;
   Mesh mesh = box({x, 0.1, z}, {x + 0.42, 0.5, stand});
@@ -177,13 +189,15 @@ Mesh screen(double x) {
   return rectangle({x + 0.37, 0.46, z + 0.03}, {-0.32, 0, 0}, {0, 0, 0.25});
 }
 
-// 36 faces: two sides, a back and three boards. The back ends short of top and bottom, so that no two boards share a whole edge.
+// 36 faces: two sides, a back and three boards. The back ends short of top and bottom, so that no
+// two boards share a whole edge.
 Mesh bookcase() {
   constexpr double in = kCaseWidth - kBoard;
   Mesh mesh = box({0, 0, 0}, {kBoard, kCaseDepth, kCaseHeight});
   append(mesh, box({in, 0, 0}, {kCaseWidth, kCaseDepth, kCaseHeight}));
   append(mesh, box({kBoard, 0, 0.04}, {in, kBoard, kCaseHeight - 0.01}));
-  for (const double z : {0.1, 0.95, kCaseHeight - kBoard}) append(mesh, box({kBoard, kBoard, z}, {in, kCaseDepth, z + kBoard}));
+  for (const double z : {0.1, 0.95, kCaseHeight - kBoard})
+    append(mesh, box({kBoard, kBoard, z}, {in, kCaseDepth, z + kBoard}));
   return mesh;
 }
 
@@ -199,7 +213,8 @@ Mesh chair() {
   Mesh mesh = box({0, 0, seat - 0.04}, {side, side, seat});
   append(mesh, box({0.02, 0, seat}, {side - 0.02, 0.04, 0.95}));
   for (const double x : {0.0, side - leg})
-    for (const double y : {0.0, side - leg}) append(mesh, box({x, y, 0}, {x + leg, y + leg, seat - 0.04}));
+    for (const double y : {0.0, side - leg})
+      append(mesh, box({x, y, 0}, {x + leg, y + leg, seat - 0.04}));
   return mesh;
 }
 
@@ -217,7 +232,9 @@ struct Furnisher {
     }
   }
 
-  void add_empty_bookcase(const Pose& pose) { add(data, bookcase(), numbered("bookcase", ++bookcases), pose); }
+  void add_empty_bookcase(const Pose& pose) {
+    add(data, bookcase(), numbered("bookcase", ++bookcases), pose);
+  }
 
   // Three at most, that touch each other and the case.
   void add_books(const Pose& pose, int how_many) {
@@ -240,9 +257,12 @@ struct Furnisher {
 // The six faces of a room, seen from within, with a doorway in its northern wall.
 Mesh shell(double w, double d, double h) {
   Mesh mesh;
-  for (int k = 0; k < 8; ++k) mesh.vertices.emplace_back(k & 1 ? w : 0, k & 2 ? d : 0, k & 4 ? h : 0);
+  for (int k = 0; k < 8; ++k)
+    mesh.vertices.emplace_back(k & 1 ? w : 0, k & 2 ? d : 0, k & 4 ? h : 0);
   constexpr double hinge = 0.4, lock = 1.3, lintel = 2.05;
-  for (const Vec3& v : {Vec3(hinge, d, 0), Vec3(hinge, d, lintel), Vec3(lock, d, lintel), Vec3(lock, d, 0)}) mesh.vertices.push_back(v);
+  for (const Vec3& v :
+       {Vec3(hinge, d, 0), Vec3(hinge, d, lintel), Vec3(lock, d, lintel), Vec3(lock, d, 0)})
+    mesh.vertices.push_back(v);
   mesh.add_face({0, 1, 3, 2});
   mesh.add_face({4, 6, 7, 5});
   mesh.add_face({0, 4, 5, 1});
@@ -287,7 +307,8 @@ SceneData room(int level) {
 }
 
 SceneData slater_room(int number) {
-  // Desks and bookcases beyond the first, in the order of his table; the last but two has some books besides.
+  // Desks and bookcases beyond the first, in the order of his table; the last but two has some
+  // books besides.
   struct Furniture {
     int desks, bookcases, polygons;
   };
@@ -300,12 +321,14 @@ SceneData slater_room(int number) {
   data.light = Light::point({3.1, 2.4, 2.55});
   data.light.name = "lamp";
   add(data, shell(walls.w, walls.d, 2.7), "room");
-  for (std::size_t k = 0; k < 6; ++k) add_poster(data, numbered("poster", k + 1), 0.15 + 0.8 * static_cast<double>(k), 0.7);
+  for (std::size_t k = 0; k < 6; ++k)
+    add_poster(data, numbered("poster", k + 1), 0.15 + 0.8 * static_cast<double>(k), 0.7);
   Furnisher f{data};
   f.add_chair(placed(-0.96, 0.28, 1.6, 1.5));
   constexpr double desks[] = {0.5, 0.5 + kDeskWidth, 0.5 + 2 * kDeskWidth};
   for (int k = 0; k <= furniture.desks; ++k) f.add_desk(walls.south(desks[k]), 1);
-  for (int k = 0; k <= furniture.bookcases; ++k) f.add_empty_bookcase(walls.east(1.0 + k * kCaseWidth));
+  for (int k = 0; k <= furniture.bookcases; ++k)
+    f.add_empty_bookcase(walls.east(1.0 + k * kCaseWidth));
   if (number == 8) f.add_books(walls.east(1.0), 3);
   return data;
 }
@@ -327,7 +350,8 @@ SceneData furnished_room() {
     // The southern wall gets its window.
     const Mesh plain = shell(walls.w, walls.d, 2.7);
     shell_mesh.vertices = plain.vertices;
-    for (const Vec3& v : {Vec3(6, 0, 0.9), Vec3(8, 0, 0.9), Vec3(8, 0, 2.1), Vec3(6, 0, 2.1)}) shell_mesh.vertices.push_back(v);
+    for (const Vec3& v : {Vec3(6, 0, 0.9), Vec3(8, 0, 0.9), Vec3(8, 0, 2.1), Vec3(6, 0, 2.1)})
+      shell_mesh.vertices.push_back(v);
     for (std::size_t face = 0; face < plain.face_count(); ++face) {
       shell_mesh.add_face(plain.loop(face, 0));
       constexpr std::array<std::uint32_t, 4> window{12, 13, 14, 15};
@@ -357,13 +381,15 @@ void divide(Mesh& mesh, const std::array<Vec3, 4>& corners, int depth) {
   if (depth == 0) {
     const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(), corners.begin(), corners.end());
-    for (const std::array<std::uint32_t, 3>& t : {std::array{0u, 2u, 1u}, {0u, 1u, 3u}, {1u, 2u, 3u}, {2u, 0u, 3u}})
+    for (const std::array<std::uint32_t, 3>& t :
+         {std::array{0u, 2u, 1u}, {0u, 1u, 3u}, {1u, 2u, 3u}, {2u, 0u, 3u}})
       mesh.add_face({base + t[0], base + t[1], base + t[2]});
     return;
   }
   for (const Vec3& c : corners) {
     std::array<Vec3, 4> part;
-    std::transform(corners.begin(), corners.end(), part.begin(), [&](const Vec3& v) -> Vec3 { return (v + c) / 2; });
+    std::transform(corners.begin(), corners.end(), part.begin(),
+                   [&](const Vec3& v) -> Vec3 { return (v + c) / 2; });
     divide(mesh, part, depth - 1);
   }
 }
@@ -374,9 +400,11 @@ SceneData tetrahedron(int depth) {
   SceneData data;
   data.name = "tetrahedron" + std::to_string(depth);
   data.light = Light::point({2.71, -0.43, 3.37});
-  // Regular to six digits; multiples of 2^-20, so that halving is exact and the parts touch in vertices bit-equal.
-  const std::array<Vec3, 4> corners{Vec3(to_grid(0.942809), 0, 0), Vec3(to_grid(-0.471405), to_grid(0.816497), 0),
-                                    Vec3(to_grid(-0.471405), to_grid(-0.816497), 0), Vec3(0, 0, to_grid(1.333333))};
+  // Regular to six digits; multiples of 2^-20, so that halving is exact and the parts touch in
+  // vertices bit-equal.
+  const std::array<Vec3, 4> corners{
+      Vec3(to_grid(0.942809), 0, 0), Vec3(to_grid(-0.471405), to_grid(0.816497), 0),
+      Vec3(to_grid(-0.471405), to_grid(-0.816497), 0), Vec3(0, 0, to_grid(1.333333))};
   Mesh mesh;
   divide(mesh, corners, depth);
   add(data, rectangle({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}), "ground");
@@ -391,12 +419,14 @@ SceneData city(std::uint32_t n) {
   add(data, rectangle({-1, -1, 0}, {n + 2.0, 0, 0}, {0, n + 2.0, 0}), "ground");
   for (std::uint32_t y = 0; y < n; ++y) {
     for (std::uint32_t x = 0; x < n; ++x) {
-      const double margin[4] = {random.in(0.1, 0.25), random.in(0.1, 0.25), random.in(0.7, 0.9), random.in(0.7, 0.9)};
+      const double margin[4] = {random.in(0.1, 0.25), random.in(0.1, 0.25), random.in(0.7, 0.9),
+                                random.in(0.7, 0.9)};
       const double u = random.unit(), height = to_grid(0.3 + 2.2 * u * u * u);
       // Every fourth house keeps to the building line: facades along a street are coplanar.
       const bool aligned = random.below(4) == 0;
       const double x0 = aligned ? 0.125 : margin[0], y0 = aligned ? 0.125 : margin[1];
-      add(data, box({x + x0, y + y0, 0}, {x + margin[2], y + margin[3], height}), "house." + std::to_string(x) + "." + std::to_string(y));
+      add(data, box({x + x0, y + y0, 0}, {x + margin[2], y + margin[3], height}),
+          "house." + std::to_string(x) + "." + std::to_string(y));
     }
   }
   // Above a street, but near enough to its houses that some reach below it and lose a facade.
@@ -433,7 +463,9 @@ SceneData triangles(std::uint32_t n) {
     do {
       mesh.vertices.clear();
       for (int i = 0; i < 3; ++i) mesh.vertices.push_back(centre + random.in_ball(reach));
-    } while ((mesh.vertices[1] - mesh.vertices[0]).cross(mesh.vertices[2] - mesh.vertices[0]).norm() < 0.1 * reach * reach);
+    } while (
+        (mesh.vertices[1] - mesh.vertices[0]).cross(mesh.vertices[2] - mesh.vertices[0]).norm() <
+        0.1 * reach * reach);
     mesh.add_face({0, 1, 2});
     add(data, std::move(mesh), "triangle." + std::to_string(k));
   }
@@ -467,18 +499,24 @@ struct Twig {
 
   // A hexagonal prism whose outline is u, v and v-u about the start: flat to the bit.
   void add_wood(const Vec3& from, const Vec3& along, double radius) {
-    const Vec3 side = along.cross(std::abs(along.z()) < 0.8 * along.norm() ? Vec3(0, 0, 1) : Vec3(1, 0, 0)).normalized() * radius;
+    const Vec3 side =
+        along.cross(std::abs(along.z()) < 0.8 * along.norm() ? Vec3(0, 0, 1) : Vec3(1, 0, 0))
+            .normalized() *
+        radius;
     const Vec3 other = along.cross(side).normalized() * radius;
     const Vec3 u = to_grid(side), v = to_grid(Vec3(0.5 * side + 0.8660254 * other));
-    // Seen along the twig the outline turns left; a prism's base must turn left seen from outside, which is from behind the start.
-    const Mesh wood = prism({from + u, from + u - v, from - v, from - u, from + v - u, from + v}, along);
+    // Seen along the twig the outline turns left; a prism's base must turn left seen from outside,
+    // which is from behind the start.
+    const Mesh wood =
+        prism({from + u, from + u - v, from - v, from - u, from + v - u, from + v}, along);
     add(data, triangles ? triangulated(wood) : wood, numbered("twig", ++twigs));
   }
 
   // Two triangles folded along the midrib.
   void add_leaf(const Vec3& from, const Vec3& along) {
     if (leaves == most_leaves) return;
-    const Vec3 across = to_grid(Vec3(along.cross(random.in_ball(1)).normalized() * (0.3 * along.norm())));
+    const Vec3 across =
+        to_grid(Vec3(along.cross(random.in_ball(1)).normalized() * (0.3 * along.norm())));
     const Vec3 lift = to_grid(Vec3(along.cross(across).normalized() * (0.12 * along.norm())));
     Mesh mesh;
     const Vec3 middle = from + to_grid(Vec3(0.45 * along));
@@ -517,20 +555,25 @@ namespace {
 Mesh tiled_ground(double reach, double z, int n = 2) {
   Mesh mesh;
   const double step = 2 * reach / n;
-  for (int k = 0; k < n * n; ++k) append(mesh, rectangle({-reach + k % n * step, -reach + k / n * step, z}, {step, 0, 0}, {0, step, 0}));
+  for (int k = 0; k < n * n; ++k)
+    append(mesh, rectangle({-reach + k % n * step, -reach + k / n * step, z}, {step, 0, 0},
+                           {0, step, 0}));
   return mesh;
 }
 
 // A convex solid of points whose faces are given as loops, seen from outside counter-clockwise.
-Mesh solid(const Vec3& at, double scale, const std::vector<Vec3>& points, const std::vector<std::vector<std::uint32_t>>& faces) {
+Mesh solid(const Vec3& at, double scale, const std::vector<Vec3>& points,
+           const std::vector<std::vector<std::uint32_t>>& faces) {
   Mesh mesh;
   for (const Vec3& p : points) mesh.vertices.push_back(at + scale * p);
   for (const std::vector<std::uint32_t>& face : faces) mesh.add_face(face);
   return mesh;
 }
 
-// The hull of points whose faces lie in planes normal . p = greatest, for each of the normals; exact for whole numbers.
-Mesh hull(const Vec3& at, double scale, const std::vector<Vec3>& points, const std::vector<Vec3>& normals) {
+// The hull of points whose faces lie in planes normal . p = greatest, for each of the normals;
+// exact for whole numbers.
+Mesh hull(const Vec3& at, double scale, const std::vector<Vec3>& points,
+          const std::vector<Vec3>& normals) {
   std::vector<std::vector<std::uint32_t>> faces;
   for (const Vec3& normal : normals) {
     double greatest = normal.dot(points[0]);
@@ -572,7 +615,8 @@ std::vector<Vec3> together(std::vector<Vec3> a, const std::vector<Vec3>& b) {
   return a;
 }
 
-// Twelve vertices at (0, 1, golden ratio) and its turns; triangles, so that rounding leaves them flat.
+// Twelve vertices at (0, 1, golden ratio) and its turns; triangles, so that rounding leaves them
+// flat.
 Mesh icosahedron(const Vec3& at, double scale) {
   constexpr double g = 1.6180339887498949;
   std::vector<Vec3> points;
@@ -586,9 +630,12 @@ Mesh icosahedron(const Vec3& at, double scale) {
   for (std::uint32_t a = 0; a < 12; ++a)
     for (std::uint32_t b = a + 1; b < 12; ++b)
       for (std::uint32_t c = a + 1; c < 12; ++c) {
-        const auto near = [&](std::uint32_t i, std::uint32_t j) { return (points[i] - points[j]).norm() < 2.1; };
+        const auto near = [&](std::uint32_t i, std::uint32_t j) {
+          return (points[i] - points[j]).norm() < 2.1;
+        };
         if (b == c || !near(a, b) || !near(b, c) || !near(c, a)) continue;
-        if ((points[b] - points[a]).cross(points[c] - points[a]).dot(points[a]) > 0) faces.push_back({a, b, c});
+        if ((points[b] - points[a]).cross(points[c] - points[a]).dot(points[a]) > 0)
+          faces.push_back({a, b, c});
       }
   return solid(at, scale, points, faces);
 }
@@ -616,11 +663,15 @@ SceneData solids96() {
   const std::vector<Vec3> against{{-1, -1, -1}, {-1, 1, 1}, {1, -1, 1}, {1, 1, -1}};
   add(data, hull({1.75, -1.5, 0.625}, 0.5, four, against), "tetrahedron.1");
   add(data, hull({0.125, 1.875, 0.375}, 0.375, against, four), "tetrahedron.2");
-  add(data, hull({-2, 0.25, 0.5}, 0.5, all_of({1, 1, 0}), together(axes, corners)), "cuboctahedron");
-  add(data, hull({0, 0, 1.25}, 0.5, together(corners, all_of({2, 0, 0})), all_of({1, 1, 0})), "rhombic_dodecahedron");
-  add(data, hull({1.75, 0.25, 0.75}, 0.25, all_of({2, 1, 0}), together(axes, corners)), "truncated_octahedron");
+  add(data, hull({-2, 0.25, 0.5}, 0.5, all_of({1, 1, 0}), together(axes, corners)),
+      "cuboctahedron");
+  add(data, hull({0, 0, 1.25}, 0.5, together(corners, all_of({2, 0, 0})), all_of({1, 1, 0})),
+      "rhombic_dodecahedron");
+  add(data, hull({1.75, 0.25, 0.75}, 0.25, all_of({2, 1, 0}), together(axes, corners)),
+      "truncated_octahedron");
   add(data, icosahedron({-1.5, 1.75, 1}, 0.375), "icosahedron");
-  const std::vector<Vec3> ring{{2, 1, 0}, {1, 2, 0}, {-1, 1, 0}, {-2, -1, 0}, {-1, -2, 0}, {1, -1, 0}};
+  const std::vector<Vec3> ring{{2, 1, 0},   {1, 2, 0},   {-1, 1, 0},
+                               {-2, -1, 0}, {-1, -2, 0}, {1, -1, 0}};
   std::vector<Vec3> base;
   for (const Vec3& p : ring) base.push_back(Vec3(2, 1.875, 0) + 0.25 * p);
   std::reverse(base.begin(), base.end());
@@ -639,8 +690,8 @@ SceneData tetrahedra752(int number) {
   data.objects.clear();
   // 64 parts; 41 of them, taken evenly, become four each: 187 of four faces.
   for (std::uint32_t k = 0; k < 64; ++k) {
-    const std::array<Vec3, 4> corners{whole.vertices[4 * k], whole.vertices[4 * k + 1], whole.vertices[4 * k + 2],
-                                      whole.vertices[4 * k + 3]};
+    const std::array<Vec3, 4> corners{whole.vertices[4 * k], whole.vertices[4 * k + 1],
+                                      whole.vertices[4 * k + 2], whole.vertices[4 * k + 3]};
     divide(mesh, corners, (k + 1) * 41 / 64 > k * 41 / 64 ? 1 : 0);
   }
   add(data, tiled_ground(3, number == 1 ? -0.25 : 1), "ground");
@@ -655,7 +706,8 @@ SceneData cubes1502() {
   add(data, triangulated(rectangle({-4, -4, 0}, {8, 0, 0}, {0, 8, 0})), "ground");
   for (int k = 0; k < 125; ++k) {
     const Vec3 lo = Vec3(k % 5, k / 5 % 5, k / 25) * 0.75 + Vec3(-1.75, -1.75, 0.5);
-    add(data, triangulated(box(lo, lo + Vec3(0.5, 0.5, 0.5))), numbered("cube", static_cast<std::size_t>(k + 1)));
+    add(data, triangulated(box(lo, lo + Vec3(0.5, 0.5, 0.5))),
+        numbered("cube", static_cast<std::size_t>(k + 1)));
   }
   return data;
 }
@@ -676,8 +728,9 @@ SceneData spheres2037(std::uint32_t count) {
 }
 
 const std::vector<std::string>& image_space_scenes() {
-  static const std::vector<std::string> names{"sphere256", "solids96",   "tetrahedra752:1", "tetrahedra752:2",
-                                              "cubes1502", "branch2878", "spheres2037:100", "spheres2037:300"};
+  static const std::vector<std::string> names{
+      "sphere256", "solids96",   "tetrahedra752:1", "tetrahedra752:2",
+      "cubes1502", "branch2878", "spheres2037:100", "spheres2037:300"};
   return names;
 }
 
@@ -690,7 +743,8 @@ std::vector<std::uint32_t> sizes_of(std::string_view text) {
   while (at != end) {
     std::uint32_t size = 0;
     const auto [rest, error] = std::from_chars(at, end, size);
-    if (error != std::errc() || size == 0 || (rest != end && (*rest != ',' || rest + 1 == end))) return {};
+    if (error != std::errc() || size == 0 || (rest != end && (*rest != ',' || rest + 1 == end)))
+      return {};
     sizes.push_back(size);
     at = rest == end ? end : rest + 1;
   }
@@ -702,24 +756,29 @@ std::vector<std::uint32_t> sizes_of(std::string_view text) {
 SceneData named(const std::string& name) {
   const std::size_t colon = std::min(name.find(':'), name.size());
   const std::string kind = name.substr(0, colon);
-  const std::vector<std::uint32_t> n = sizes_of(std::string_view(name).substr(std::min(colon + 1, name.size())));
+  const std::vector<std::uint32_t> n =
+      sizes_of(std::string_view(name).substr(std::min(colon + 1, name.size())));
   if (name == "furnished_room") return furnished_room();
   if (name == "sphere256") return sphere256();
   if (name == "solids96") return solids96();
   if (name == "cubes1502") return cubes1502();
   if (name == "branch2878") return branch2878();
-  if (kind == "tetrahedra752" && n.size() == 1 && n[0] <= 2) return tetrahedra752(static_cast<int>(n[0]));
+  if (kind == "tetrahedra752" && n.size() == 1 && n[0] <= 2)
+    return tetrahedra752(static_cast<int>(n[0]));
   if (kind == "spheres2037" && n.size() == 1) return spheres2037(n[0]);
   if (kind == "spheres" && n.size() == 3) return spheres(n[0], n[1], n[2]);
   if (kind == "spheres" && n.size() == 1) return spheres(n[0], 64, 33);
-  if (kind == "slater" && n.size() == 1 && n[0] >= 1 && n[0] <= 10) return slater_room(static_cast<int>(n[0]));
+  if (kind == "slater" && n.size() == 1 && n[0] >= 1 && n[0] <= 10)
+    return slater_room(static_cast<int>(n[0]));
   if (kind == "room" && n.size() == 1 && n[0] <= 4) return room(static_cast<int>(n[0]));
-  if (kind == "tetrahedron" && n.size() == 1 && n[0] <= 10) return tetrahedron(static_cast<int>(n[0]));
+  if (kind == "tetrahedron" && n.size() == 1 && n[0] <= 10)
+    return tetrahedron(static_cast<int>(n[0]));
   if (kind == "city" && n.size() == 1) return city(n[0]);
   if (kind == "triangles" && n.size() == 1) return triangles(n[0]);
   if (kind == "branch" && n.size() == 1 && n[0] <= 10) return branch(static_cast<int>(n[0]));
   throw Error("there is no scene '" + name +
-              "' (room:4, slater:10, furnished_room, tetrahedron:3, city:100, spheres:25, triangles:1000, branch:3, sphere256, solids96, "
+              "' (room:4, slater:10, furnished_room, tetrahedron:3, city:100, spheres:25, "
+              "triangles:1000, branch:3, sphere256, solids96, "
               "tetrahedra752:1, cubes1502, "
               "branch2878, spheres2037:100)");
 }

@@ -18,14 +18,17 @@ void expect_ok(shadowcut_status status) {
 
 const shadowcut::Vec3 sun_direction(0.3, -0.45, -1);
 
-shadowcut_object_id enter(shadowcut_scene* scene, const shadowcut::Mesh& mesh, const shadowcut::ObjectSettings& as) {
+shadowcut_object_id enter(shadowcut_scene* scene, const shadowcut::Mesh& mesh,
+                          const shadowcut::ObjectSettings& as) {
   shadowcut_mesh* m = nullptr;
   expect_ok(shadowcut_mesh_create(&m));
-  expect_ok(shadowcut_mesh_set_vertices(m, mesh.vertices.front().data(), static_cast<std::int32_t>(mesh.vertices.size())));
+  expect_ok(shadowcut_mesh_set_vertices(m, mesh.vertices.front().data(),
+                                        static_cast<std::int32_t>(mesh.vertices.size())));
   for (std::size_t f = 0; f < mesh.face_count(); ++f) {
     for (std::size_t k = 0; k < mesh.loop_count(f); ++k) {
       const auto loop = mesh.loop(f, k);
-      expect_ok((k == 0 ? shadowcut_mesh_add_face : shadowcut_mesh_add_hole)(m, loop.data(), static_cast<std::int32_t>(loop.size())));
+      expect_ok((k == 0 ? shadowcut_mesh_add_face : shadowcut_mesh_add_hole)(
+          m, loop.data(), static_cast<std::int32_t>(loop.size())));
     }
   }
   shadowcut_object_settings settings;
@@ -43,7 +46,8 @@ shadowcut_object_id enter(shadowcut_scene* scene, const shadowcut::Mesh& mesh, c
 
 }  // namespace
 
-uint32_t support_scene(const char* name, int sun, shadowcut_scene* scene, shadowcut_object_id* ids) {
+uint32_t support_scene(const char* name, int sun, shadowcut_scene* scene,
+                       shadowcut_object_id* ids) {
   const shadowcut::scenes::SceneData data = shadowcut::scenes::named(name);
   std::uint32_t count = 0;
   for (const auto& [mesh, settings] : data.objects) ids[count++] = enter(scene, mesh, settings);
@@ -59,17 +63,21 @@ uint32_t support_scene(const char* name, int sun, shadowcut_scene* scene, shadow
   return count;
 }
 
-uint32_t support_areas(const char* name, uint32_t light, int32_t kernel, double* lit, double* shadowed, uint32_t* fragments) {
+uint32_t support_areas(const char* name, uint32_t light, int32_t kernel, double* lit,
+                       double* shadowed, uint32_t* fragments) {
   using namespace shadowcut;
   const scenes::SceneData data = scenes::named(name);
   Scene scene;
   for (const auto& [mesh, settings] : data.objects) scene.add(mesh, settings);
   Options options;
   options.kernel = static_cast<Kernel>(kernel);
-  const Shadows shadows = cast_shadows(scene, light == 0 ? data.light : Light::directional(sun_direction), options);
+  const Shadows shadows =
+      cast_shadows(scene, light == 0 ? data.light : Light::directional(sun_direction), options);
   *fragments = 0;
-  for (const Block& block : shadows.blocks) *fragments += static_cast<std::uint32_t>(block.fragments.size());
-  for (std::size_t f = 0; f < shadows.areas.size(); ++f) lit[f] = shadows.areas[f].lit, shadowed[f] = shadows.areas[f].shadowed;
+  for (const Block& block : shadows.blocks)
+    *fragments += static_cast<std::uint32_t>(block.fragments.size());
+  for (std::size_t f = 0; f < shadows.areas.size(); ++f)
+    lit[f] = shadows.areas[f].lit, shadowed[f] = shadows.areas[f].shadowed;
   return static_cast<std::uint32_t>(shadows.areas.size());
 }
 

@@ -13,7 +13,8 @@ static const char* context = "";
 
 static void check(int holds, const char* what, int line) {
   if (holds) return;
-  printf("c_test.c:%d: %s: failed: %s (last message: %s)\n", line, context, what, shadowcut_message());
+  printf("c_test.c:%d: %s: failed: %s (last message: %s)\n", line, context, what,
+         shadowcut_message());
   if (++failures > 20) exit(1);
 }
 #define CHECK(condition) check((condition) != 0, #condition, __LINE__)
@@ -32,7 +33,9 @@ static uint64_t next_random(void) {
   return z ^ (z >> 31);
 }
 static uint32_t below(uint32_t n) { return (uint32_t)(next_random() % n); }
-static double between(double lo, double hi) { return lo + (hi - lo) * (double)(next_random() >> 11) / 9007199254740992.0; }
+static double between(double lo, double hi) {
+  return lo + (hi - lo) * (double)(next_random() >> 11) / 9007199254740992.0;
+}
 
 static void* room_for(size_t count, size_t size) {
   void* room = calloc(count > 0 ? count : 1, size);
@@ -53,7 +56,8 @@ static shadowcut_mesh* square(double side, double z) {
   return mesh;
 }
 
-static shadowcut_object_id add_square(shadowcut_scene* scene, double side, double z, const char* name) {
+static shadowcut_object_id add_square(shadowcut_scene* scene, double side, double z,
+                                      const char* name) {
   shadowcut_object_settings settings;
   shadowcut_object_id id = {0, 0, 0};
   shadowcut_mesh* mesh = square(side, z);
@@ -165,9 +169,10 @@ static void test_names(void) {
   CHECK(strcmp(shadowcut_status_name(SHADOWCUT_INTERNAL_ERROR), "INTERNAL_ERROR") == 0);
   CHECK(strcmp(shadowcut_status_name(99), "") == 0 && strcmp(shadowcut_status_name(-1), "") == 0);
   CHECK(strlen(shadowcut_version()) >= 5);
-  CHECK(strlen(shadowcut_describe(SHADOWCUT_NOT_FLAT)) > 0 && strcmp(shadowcut_describe(8), "") == 0 &&
-        strcmp(shadowcut_describe(-1), "") == 0);
-  CHECK(shadowcut_refuses(SHADOWCUT_DUPLICATE) == 1 && shadowcut_refuses(SHADOWCUT_NOT_FLAT) == 0 && shadowcut_refuses(77) == 0);
+  CHECK(strlen(shadowcut_describe(SHADOWCUT_NOT_FLAT)) > 0 &&
+        strcmp(shadowcut_describe(8), "") == 0 && strcmp(shadowcut_describe(-1), "") == 0);
+  CHECK(shadowcut_refuses(SHADOWCUT_DUPLICATE) == 1 && shadowcut_refuses(SHADOWCUT_NOT_FLAT) == 0 &&
+        shadowcut_refuses(77) == 0);
   INVALID(shadowcut_mesh_create(NULL));
   CHECK(strlen(shadowcut_message()) > 0);
 }
@@ -189,16 +194,19 @@ static void test_objects(void) {
 
   OK(shadowcut_object_init(&object));
   OK(shadowcut_scene_object(s.scene, &s.sheet, &object));
-  CHECK(strcmp(object.name, "sheet") == 0 && object.sides == SHADOWCUT_SIDES_OPEN && object.face_count == 1 && object.pose[0] == 1);
-  CHECK(object.casts == 1 && object.receives == 1 && object.moves == 0 && object.vertex_count == 4 && object.edge_count == 4);
+  CHECK(strcmp(object.name, "sheet") == 0 && object.sides == SHADOWCUT_SIDES_OPEN &&
+        object.face_count == 1 && object.pose[0] == 1);
+  CHECK(object.casts == 1 && object.receives == 1 && object.moves == 0 &&
+        object.vertex_count == 4 && object.edge_count == 4);
   OK(shadowcut_scene_object_id(s.scene, 1, &id));
   CHECK(memcmp(&id, &s.sheet, sizeof id) == 0);
   STATUS(SHADOWCUT_NOT_FOUND, shadowcut_scene_object_id(s.scene, 2, &id));
 
   OK(shadowcut_scene_counts_init(&counts));
   OK(shadowcut_scene_count(s.scene, &counts));
-  CHECK(counts.objects == 2 && counts.lights == 1 && counts.faces == 2 && counts.facets == 2 && counts.corners == 8 &&
-        counts.vertices == 8 && counts.edges == 8 && counts.planes == 2 && counts.issues == 0);
+  CHECK(counts.objects == 2 && counts.lights == 1 && counts.faces == 2 && counts.facets == 2 &&
+        counts.corners == 8 && counts.vertices == 8 && counts.edges == 8 && counts.planes == 2 &&
+        counts.issues == 0);
   pose_at(pose, 0.5, 0, 0);
   OK(shadowcut_scene_set_pose(s.scene, &s.sheet, pose));
   OK(shadowcut_scene_changed_since(s.scene, &counts.revision, 4, changed, &n));
@@ -232,7 +240,8 @@ static void test_objects(void) {
   /* Removed, and brought back as it was. */
   OK(shadowcut_object_settings_init(&settings));
   OK(shadowcut_scene_given(s.scene, &s.sheet, &mesh, &settings));
-  CHECK(settings.casts == 0 && settings.receives == 0 && settings.pose[3] == 0.5 && strcmp(settings.name, "sheet") == 0);
+  CHECK(settings.casts == 0 && settings.receives == 0 && settings.pose[3] == 0.5 &&
+        strcmp(settings.name, "sheet") == 0);
   settings.name = "back";
   OK(shadowcut_scene_remove_object(s.scene, &s.sheet));
   STATUS(SHADOWCUT_STALE, shadowcut_scene_remove_object(s.scene, &s.sheet));
@@ -242,7 +251,8 @@ static void test_objects(void) {
   STATUS(SHADOWCUT_STALE, shadowcut_scene_set_vertices(s.scene, &s.sheet, corners, 4));
   OK(shadowcut_scene_add_object(s.scene, mesh, &settings, &id));
   CHECK(id.index == s.sheet.index && id.generation != s.sheet.generation);
-  STATUS(SHADOWCUT_STALE, shadowcut_scene_set_receives(s.scene, &s.sheet, 1)); /* its index is another's */
+  STATUS(SHADOWCUT_STALE,
+         shadowcut_scene_set_receives(s.scene, &s.sheet, 1)); /* its index is another's */
   OK(shadowcut_scene_object(s.scene, &id, &object));
   CHECK(strcmp(object.name, "back") == 0 && object.pose[3] == 0.5 && object.casts == 0);
 
@@ -305,8 +315,8 @@ static void test_lights(void) {
   OK(shadowcut_scene_add_light(s.scene, &light, &id));
   OK(shadowcut_light_init(&found));
   OK(shadowcut_scene_light(s.scene, &id, &found));
-  CHECK(found.kind == SHADOWCUT_POINT && found.at[2] == 3 && found.range == 50 && found.has_spot == 1 && found.spot_half_angle == 1 &&
-        strcmp(found.name, "lamp") == 0);
+  CHECK(found.kind == SHADOWCUT_POINT && found.at[2] == 3 && found.range == 50 &&
+        found.has_spot == 1 && found.spot_half_angle == 1 && strcmp(found.name, "lamp") == 0);
   light.spot_half_angle = 4;
   STATUS(SHADOWCUT_REFUSED, shadowcut_scene_set_light(s.scene, &id, &light));
   light.spot_half_angle = 0.5;
@@ -354,7 +364,8 @@ static void test_flattened(void) {
   double xyz[24];
   context = "flattened";
   OK(shadowcut_scene_faces(s.scene, 1, 1, &face));
-  CHECK(face.object == s.sheet.index && face.number == 0 && face.facet_count == 1 && face.area == 1);
+  CHECK(face.object == s.sheet.index && face.number == 0 && face.facet_count == 1 &&
+        face.area == 1);
   OK(shadowcut_scene_facets(s.scene, face.first_facet, 1, &facet));
   CHECK(facet.face == 1 && facet.corner_count == 4);
   OK(shadowcut_scene_corners(s.scene, facet.first_corner, 4, corners));
@@ -397,7 +408,8 @@ static void test_issues(void) {
   CHECK(n.issues == 3 && n.faces == 4);
   OK(shadowcut_scene_issues(scene, 0, 3, issues));
   CHECK(issues[0].reason == SHADOWCUT_NON_FINITE && issues[0].face == 1 && issues[0].object == 0);
-  CHECK(issues[1].reason == SHADOWCUT_INDEX_OUT_OF_RANGE && issues[2].reason == SHADOWCUT_TOO_FEW_CORNERS && issues[2].detail != NULL);
+  CHECK(issues[1].reason == SHADOWCUT_INDEX_OUT_OF_RANGE &&
+        issues[2].reason == SHADOWCUT_TOO_FEW_CORNERS && issues[2].detail != NULL);
   INVALID(shadowcut_scene_issues(scene, 0, 4, issues));
   shadowcut_mesh_destroy(mesh);
   shadowcut_scene_destroy(scene);
@@ -411,8 +423,10 @@ static double fan_area(const double* xyz, uint32_t count) {
   for (i = 2; i < count; ++i) {
     double u[3], v[3];
     int k;
-    for (k = 0; k < 3; ++k) u[k] = xyz[3 * (i - 1) + (uint32_t)k] - xyz[k], v[k] = xyz[3 * i + (uint32_t)k] - xyz[k];
-    for (k = 0; k < 3; ++k) sum[k] += u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+    for (k = 0; k < 3; ++k)
+      u[k] = xyz[3 * (i - 1) + (uint32_t)k] - xyz[k], v[k] = xyz[3 * i + (uint32_t)k] - xyz[k];
+    for (k = 0; k < 3; ++k)
+      sum[k] += u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
   }
   return sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / 2;
 }
@@ -428,8 +442,8 @@ static void test_cast(void) {
   double lit = 0;
   context = "cast";
   OK(shadowcut_options_init(&options));
-  CHECK(options.kernel == SHADOWCUT_KERNEL_FAST && options.form == SHADOWCUT_FORM_MERGED && options.facets_per_cell == 128 &&
-        options.edits == 1 && options.join_threshold == 2);
+  CHECK(options.kernel == SHADOWCUT_KERNEL_FAST && options.form == SHADOWCUT_FORM_MERGED &&
+        options.facets_per_cell == 128 && options.edits == 1 && options.join_threshold == 2);
   options.kernel = SHADOWCUT_KERNEL_EXACT;
   options.constructions = 1;
   OK(shadowcut_cast_shadows(s.scene, &light, &options, &shadows));
@@ -444,7 +458,8 @@ static void test_cast(void) {
     for (i = 0; i < n; ++i) {
       shadowcut_fragment f;
       OK(shadowcut_shadows_fragments(shadows, b, i, 1, &f));
-      CHECK(f.id.cell == b && f.first_corner + f.corner_count <= corners && f.lit == (f.caster == SHADOWCUT_NONE));
+      CHECK(f.id.cell == b && f.first_corner + f.corner_count <= corners &&
+            f.lit == (f.caster == SHADOWCUT_NONE));
       CHECK(fabs(fan_area(xyz + 3 * f.first_corner, f.corner_count) - f.area) < 1e-12);
       if (f.face == 0 && f.lit) lit += f.area;
       if (f.face == 0) ++on_ground;
@@ -455,7 +470,8 @@ static void test_cast(void) {
   CHECK(n == 2);
   OK(shadowcut_stats_init(&stats));
   OK(shadowcut_shadows_stats(shadows, &stats));
-  CHECK(stats.faces == 2 && stats.facing_faces == 2 && stats.lit_fragments + stats.shadowed_fragments >= 6 && stats.bytes > 0 &&
+  CHECK(stats.faces == 2 && stats.facing_faces == 2 &&
+        stats.lit_fragments + stats.shadowed_fragments >= 6 && stats.bytes > 0 &&
         fabs(stats.lit_area - 61) < 1e-12);
   INVALID(shadowcut_shadows_fragment_count(shadows, blocks, &n));
   INVALID(shadowcut_shadows_fragments(shadows, 0, 0, 100000, NULL));
@@ -532,7 +548,8 @@ static void test_same_as_cpp(void) {
         CHECK(n == faces);
         OK(shadowcut_shadows_areas(shadows, 0, n, areas));
         for (f = 0; f < n; ++f)
-          CHECK(memcmp(&areas[f].lit, &lit[f], sizeof *lit) == 0 && memcmp(&areas[f].shadowed, &shadowed[f], sizeof *lit) == 0);
+          CHECK(memcmp(&areas[f].lit, &lit[f], sizeof *lit) == 0 &&
+                memcmp(&areas[f].shadowed, &shadowed[f], sizeof *lit) == 0);
         OK(shadowcut_shadows_block_count(shadows, &blocks));
         for (f = 0; f < blocks; ++f) {
           OK(shadowcut_shadows_fragment_count(shadows, f, &n));
@@ -570,15 +587,16 @@ static void test_engine(void) {
   STATUS(SHADOWCUT_NOT_FOUND, shadowcut_engine_shadows(engine, 0, &shadows));
   OK(shadowcut_engine_update(engine));
   OK(shadowcut_engine_changes(engine, &changes));
-  CHECK(changes.light_count == 1 && changes.update == 1 && changes.complete == 1 && changes.applied == 3 && changes.ms >= 0);
+  CHECK(changes.light_count == 1 && changes.update == 1 && changes.complete == 1 &&
+        changes.applied == 3 && changes.ms >= 0);
   OK(shadowcut_engine_progress(engine, &share));
   CHECK(share == 1);
   OK(shadowcut_engine_shadows(engine, 0, &shadows));
   CHECK(fabs(shadowed_area(shadows, 0) - 4) < 1e-12);
   OK(shadowcut_light_changes_init(&light));
   OK(shadowcut_engine_light_changes(engine, 0, &light));
-  CHECK(light.light == 0 && light.rebuilt == 1 && light.removed == 0 && light.gone_count == 0 && light.added_count >= 6 &&
-        light.area_count == 2);
+  CHECK(light.light == 0 && light.rebuilt == 1 && light.removed == 0 && light.gone_count == 0 &&
+        light.added_count >= 6 && light.area_count == 2);
 
   /* The sheet sinks: its shadow shrinks. */
   pose_at(pose, 0, 0, -0.5);
@@ -587,7 +605,8 @@ static void test_engine(void) {
   OK(shadowcut_engine_changes(engine, &changes));
   CHECK(changes.light_count == 1 && changes.applied == 1 && changes.update == 2);
   OK(shadowcut_engine_light_changes(engine, 0, &light));
-  CHECK(light.rebuilt == 0 && light.gone_count > 0 && light.added_count > 0 && light.area_count >= 1 && light.area_count <= 2);
+  CHECK(light.rebuilt == 0 && light.gone_count > 0 && light.added_count > 0 &&
+        light.area_count >= 1 && light.area_count <= 2);
   gone = room_for(light.gone_count, sizeof *gone);
   added = room_for(light.added_count, sizeof *added);
   OK(shadowcut_engine_gone(engine, 0, 0, light.gone_count, gone));
@@ -681,8 +700,11 @@ static void test_combined(void) {
   OK(shadowcut_light_sets_masks(sets, &masks));
   OK(shadowcut_light_sets_corners(sets, &xyz, &corners));
   for (i = 0; i < n; ++i)
-    if (fragments[i].face == 0) ++part, by_mask[masks[i]] += fan_area(xyz + 3 * fragments[i].first_corner, fragments[i].corner_count);
-  CHECK(fabs(by_mask[0] - 2) < 1e-9 && fabs(by_mask[1] - 2) < 1e-9 && fabs(by_mask[2] - 2) < 1e-9 && fabs(by_mask[3] - 58) < 1e-9);
+    if (fragments[i].face == 0)
+      ++part, by_mask[masks[i]] +=
+              fan_area(xyz + 3 * fragments[i].first_corner, fragments[i].corner_count);
+  CHECK(fabs(by_mask[0] - 2) < 1e-9 && fabs(by_mask[1] - 2) < 1e-9 && fabs(by_mask[2] - 2) < 1e-9 &&
+        fabs(by_mask[3] - 58) < 1e-9);
   INVALID(shadowcut_light_sets_fragments(sets, 0, n + 1, fragments));
   INVALID(shadowcut_light_sets_count(NULL, &n, &words));
   INVALID(shadowcut_light_sets_masks(sets, NULL));
@@ -718,11 +740,13 @@ static void upload(struct Device* device, const shadowcut_buffers* buffers) {
   for (s = 0; s < 7; ++s) {
     const void* data = NULL;
     uint32_t each = 0, i;
-    const uint32_t ranges = s == SHADOWCUT_INDICES ? info.changed_index_ranges : info.changed_vertex_ranges;
+    const uint32_t ranges =
+        s == SHADOWCUT_INDICES ? info.changed_index_ranges : info.changed_vertex_ranges;
     if (shadowcut_buffers_stream(buffers, s, &data, &each) != SHADOWCUT_OK) continue;
     if (info.grown) {
       free(device->stream[s]);
-      device->stream[s] = room_for(s == SHADOWCUT_INDICES ? info.index_capacity : info.vertex_capacity, each);
+      device->stream[s] =
+          room_for(s == SHADOWCUT_INDICES ? info.index_capacity : info.vertex_capacity, each);
       device->each[s] = each;
     }
     CHECK(device->each[s] == each || info.vertex_capacity == 0);
@@ -730,9 +754,10 @@ static void upload(struct Device* device, const shadowcut_buffers* buffers) {
       shadowcut_range range = {0, 0};
       if (s == SHADOWCUT_INDICES) OK(shadowcut_buffers_changed_indices(buffers, i, 1, &range));
       else OK(shadowcut_buffers_changed_vertices(buffers, i, 1, &range));
-      CHECK(range.count > 0 && range.first + range.count <= (s == SHADOWCUT_INDICES ? info.index_count : info.vertex_count));
-      memcpy(device->stream[s] + (size_t)range.first * each, (const unsigned char*)data + (size_t)range.first * each,
-             (size_t)range.count * each);
+      CHECK(range.count > 0 && range.first + range.count <=
+                                   (s == SHADOWCUT_INDICES ? info.index_count : info.vertex_count));
+      memcpy(device->stream[s] + (size_t)range.first * each,
+             (const unsigned char*)data + (size_t)range.first * each, (size_t)range.count * each);
     }
   }
 }
@@ -749,10 +774,13 @@ struct Triangle {
   float normal[3];
   uint32_t unused;
 };
-static int compare_triangles(const void* a, const void* b) { return memcmp(a, b, sizeof(struct Triangle)); }
+static int compare_triangles(const void* a, const void* b) {
+  return memcmp(a, b, sizeof(struct Triangle));
+}
 
 /* All triangles that are not holes, sorted; from a device, or from what the buffers hold themselves. */
-static struct Triangle* triangles_of(const struct Device* device, const shadowcut_buffers* buffers, uint32_t* count) {
+static struct Triangle* triangles_of(const struct Device* device, const shadowcut_buffers* buffers,
+                                     uint32_t* count) {
   shadowcut_buffers_info info;
   const unsigned char* stream[7];
   uint32_t each[7], i, corners;
@@ -764,7 +792,8 @@ static struct Triangle* triangles_of(const struct Device* device, const shadowcu
     const void* data = NULL;
     each[s] = 0;
     stream[s] = NULL;
-    if (shadowcut_buffers_stream(buffers, s, &data, &each[s]) == SHADOWCUT_OK) stream[s] = device ? device->stream[s] : data;
+    if (shadowcut_buffers_stream(buffers, s, &data, &each[s]) == SHADOWCUT_OK)
+      stream[s] = device ? device->stream[s] : data;
   }
   corners = stream[SHADOWCUT_INDICES] ? info.index_count : info.vertex_count;
   all = room_for(corners / 3, sizeof *all);
@@ -781,7 +810,8 @@ static struct Triangle* triangles_of(const struct Device* device, const shadowcu
         return all;
       }
       for (c = 0; c < 3; ++c) {
-        const unsigned char* at = stream[SHADOWCUT_POSITIONS] + (size_t)v * each[SHADOWCUT_POSITIONS];
+        const unsigned char* at =
+            stream[SHADOWCUT_POSITIONS] + (size_t)v * each[SHADOWCUT_POSITIONS];
         float as_float;
         if (each[SHADOWCUT_POSITIONS] == 24) {
           memcpy(&t->corner[3 * k + (uint32_t)c], at + 8 * c, 8);
@@ -798,9 +828,11 @@ static struct Triangle* triangles_of(const struct Device* device, const shadowcu
       continue;
     }
     if (stream[SHADOWCUT_OBJECTS]) memcpy(&t->object, stream[SHADOWCUT_OBJECTS] + 4 * (size_t)v, 4);
-    if (stream[SHADOWCUT_NORMALS]) memcpy(t->normal, stream[SHADOWCUT_NORMALS] + 12 * (size_t)v, 12);
+    if (stream[SHADOWCUT_NORMALS])
+      memcpy(t->normal, stream[SHADOWCUT_NORMALS] + 12 * (size_t)v, 12);
     if (stream[SHADOWCUT_STATES]) t->state = stream[SHADOWCUT_STATES][v];
-    if (stream[SHADOWCUT_MASKS]) memcpy(&t->mask, stream[SHADOWCUT_MASKS] + (size_t)v * each[SHADOWCUT_MASKS], 4);
+    if (stream[SHADOWCUT_MASKS])
+      memcpy(&t->mask, stream[SHADOWCUT_MASKS] + (size_t)v * each[SHADOWCUT_MASKS], 4);
     ++*count;
   }
   qsort(all, *count, sizeof *all, compare_triangles);
@@ -847,7 +879,8 @@ static void check_watched(struct Watched* w, const shadowcut_engine* engine) {
     uint32_t f, k;
     memset(area, 0, sizeof area);
     for (i = 0; i < n; ++i) area[kept[i].face][kept[i].mask & 7] += fan_area(kept[i].corner, 3);
-    for (i = 0; i < m; ++i) area[wanted[i].face][wanted[i].mask & 7] -= fan_area(wanted[i].corner, 3);
+    for (i = 0; i < m; ++i)
+      area[wanted[i].face][wanted[i].mask & 7] -= fan_area(wanted[i].corner, 3);
     for (f = 0; f < most; ++f)
       for (k = 0; k < 8; ++k) worst = fmax(worst, fabs(area[f][k]));
     CHECK(worst < (w->layout.doubles ? 1e-9 : 1e-4));
@@ -943,7 +976,8 @@ static void test_mirrors(uint64_t seed) {
     }
   }
   OK(shadowcut_engine_validate(engine));
-  printf("mirrors, seed %u: %u buffers grew, %u ranges\n", (unsigned)seed, (unsigned)grown, (unsigned)ranges);
+  printf("mirrors, seed %u: %u buffers grew, %u ranges\n", (unsigned)seed, (unsigned)grown,
+         (unsigned)ranges);
   for (k = 0; k < watched; ++k) {
     free_device(&w[k].device);
     shadowcut_buffers_destroy(w[k].buffers);
@@ -980,12 +1014,14 @@ static void test_buffers(void) {
   OK(shadowcut_buffers_get_info(buffers, &info));
   CHECK(info.vertex_count == 0 && info.vertex_capacity == 0);
   OK(shadowcut_engine_create(s.scene, NULL, &engine));
-  STATUS(SHADOWCUT_NOT_FOUND, shadowcut_buffers_update(buffers, engine)); /* it was never brought up to date */
+  STATUS(SHADOWCUT_NOT_FOUND,
+         shadowcut_buffers_update(buffers, engine)); /* it was never brought up to date */
   OK(shadowcut_engine_update(engine));
   OK(shadowcut_buffers_update(buffers, engine));
   OK(shadowcut_buffers_get_info(buffers, &info));
-  CHECK(info.grown == 1 && info.changed_vertex_ranges == 1 && info.changed_index_ranges == 0 && info.vertex_count % 3 == 0 &&
-        info.vertex_count <= info.vertex_capacity && info.fragment_count >= 6 && info.mask_words == 0);
+  CHECK(info.grown == 1 && info.changed_vertex_ranges == 1 && info.changed_index_ranges == 0 &&
+        info.vertex_count % 3 == 0 && info.vertex_count <= info.vertex_capacity &&
+        info.fragment_count >= 6 && info.mask_words == 0);
   OK(shadowcut_buffers_changed_vertices(buffers, 0, 1, &range));
   CHECK(range.first == 0 && range.count == info.vertex_count);
   OK(shadowcut_buffers_update(buffers, engine)); /* once more: nothing has changed */
@@ -1051,7 +1087,8 @@ static void test_buffers(void) {
   shadowcut_scene_destroy(empty);
   shadowcut_light_sets_destroy(sets);
   add_square(s.scene, 1, 3, "another");
-  STATUS(SHADOWCUT_REFUSED, shadowcut_buffers_fill(buffers, s.scene, shadows)); /* not this scene's */
+  STATUS(SHADOWCUT_REFUSED,
+         shadowcut_buffers_fill(buffers, s.scene, shadows)); /* not this scene's */
   INVALID(shadowcut_buffers_fill(buffers, NULL, shadows));
   INVALID(shadowcut_buffers_fill(buffers, s.scene, NULL));
   INVALID(shadowcut_buffers_fill(NULL, s.scene, shadows));
@@ -1202,11 +1239,14 @@ static void test_memory_elsewhere(void) {
     FAILING(6, shadowcut_engine_create(s.scene, &options, &engine));
     FAILING(7, shadowcut_buffers_create(0, NULL, &buffers));
     FAILING(8, shadowcut_scene_given(s.scene, &s.sheet, &given, NULL));
-    for (k = 0; k < 9; ++k) CHECK(status[k] == SHADOWCUT_OK || status[k] == SHADOWCUT_OUT_OF_MEMORY);
-    CHECK((status[0] == SHADOWCUT_OK) == (scene != NULL) && (status[5] == SHADOWCUT_OK) == (shadows != NULL));
+    for (k = 0; k < 9; ++k)
+      CHECK(status[k] == SHADOWCUT_OK || status[k] == SHADOWCUT_OUT_OF_MEMORY);
+    CHECK((status[0] == SHADOWCUT_OK) == (scene != NULL) &&
+          (status[5] == SHADOWCUT_OK) == (shadows != NULL));
     FAILING(0, shadowcut_mesh_add_face(mesh, corners, 3));
-    CHECK(status[0] == SHADOWCUT_OK ? shadowcut_mesh_face_count(mesh, &faces) == SHADOWCUT_OK
-                                    : shadowcut_mesh_face_count(mesh, &faces) == SHADOWCUT_INVALID_ARGUMENT);
+    CHECK(status[0] == SHADOWCUT_OK
+              ? shadowcut_mesh_face_count(mesh, &faces) == SHADOWCUT_OK
+              : shadowcut_mesh_face_count(mesh, &faces) == SHADOWCUT_INVALID_ARGUMENT);
 #undef FAILING
     shadowcut_scene_destroy(scene);
     shadowcut_scene_destroy(copy);

@@ -1,4 +1,5 @@
-// Faces that were meant to lie in one plane: which of them get one, that motions change nothing of it, that they then do not cross.
+// Faces that were meant to lie in one plane: which of them get one, that motions change nothing of
+// it, that they then do not cross.
 #include "coplanar.hpp"
 
 #include <gtest/gtest.h>
@@ -23,20 +24,24 @@ Eigen::Quaterniond random_turn(Random& random) {
   return q.norm() > 0.1 ? q.normalized() : Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5);
 }
 
-// As a file holds a model that was turned before it was written: every coordinate rounded by itself.
+// As a file holds a model that was turned before it was written: every coordinate rounded by
+// itself.
 Mesh turned(Mesh mesh, const Eigen::Quaterniond& q, const Vec3& shift = Vec3::Zero()) {
   for (Vec3& v : mesh.vertices) v = q * v + shift;
   return mesh;
 }
 
-// A rectangle laid in bricks, n rows of n, every other row but the last shifted by half a brick: corners in the middle of edges.
+// A rectangle laid in bricks, n rows of n, every other row but the last shifted by half a brick:
+// corners in the middle of edges.
 Mesh bricks(const Vec3& corner, const Vec3& u, const Vec3& v, unsigned n) {
   Mesh mesh;
   for (unsigned row = 0; row < n; ++row) {
     double from = 0;
     for (unsigned k = 0; from < n; ++k) {
-      const double to = std::min<double>(n, from + (k == 0 && row % 2 == 1 && row + 1 < n ? 0.5 : 1));
-      append(mesh, rectangle(corner + u * (from / n) + v * (row / static_cast<double>(n)), u * ((to - from) / n), v / n));
+      const double to =
+          std::min<double>(n, from + (k == 0 && row % 2 == 1 && row + 1 < n ? 0.5 : 1));
+      append(mesh, rectangle(corner + u * (from / n) + v * (row / static_cast<double>(n)),
+                             u * ((to - from) / n), v / n));
       from = to;
     }
   }
@@ -47,12 +52,14 @@ Mesh bricks(const Vec3& corner, const Vec3& u, const Vec3& v, unsigned n) {
 struct Side {
   Vec3 corner, u, v;
 };
-const std::vector<Side> cube_sides = {{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}, {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}},
-                                      {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}},
-                                      {{0, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+const std::vector<Side> cube_sides = {
+    {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}, {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}},
+    {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}},
+    {{0, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
-// A cube, each side n x n bricks (n a power of two: then bricks of two sides have the same corners on their common edge), and a poster over
-// their middle, which overlaps them. Faces of a side come together.
+// A cube, each side n x n bricks (n a power of two: then bricks of two sides have the same corners
+// on their common edge), and a poster over their middle, which overlaps them. Faces of a side come
+// together.
 Mesh brick_cube(unsigned n) {
   Mesh mesh;
   for (const Side& s : cube_sides) {
@@ -67,8 +74,8 @@ Mesh plain_cube() {
   return mesh;
 }
 
-Scene scene_of(const Mesh& mesh, double tolerance = default_coplanarity, const Pose& pose = Pose::Identity(),
-               Sides sides = Sides::automatic) {
+Scene scene_of(const Mesh& mesh, double tolerance = default_coplanarity,
+               const Pose& pose = Pose::Identity(), Sides sides = Sides::automatic) {
   Scene scene;
   scene.coplanarity_tolerance = tolerance;
   ObjectSettings settings;
@@ -78,12 +85,15 @@ Scene scene_of(const Mesh& mesh, double tolerance = default_coplanarity, const P
   return scene;
 }
 
-const Plane& plane_of(const Scene& scene, std::size_t facet) { return scene.planes()[scene.facets()[facet].plane]; }
+const Plane& plane_of(const Scene& scene, std::size_t facet) {
+  return scene.planes()[scene.facets()[facet].plane];
+}
 
 // Up to its side, and with the same digits.
 bool one_plane(const Plane& p, const Plane& q) {
   return p.point == q.point && p.flatness == q.flatness &&
-         ((p.normal == q.normal && p.exact_normal == q.exact_normal) || (p.normal == -q.normal && p.exact_normal == -q.exact_normal));
+         ((p.normal == q.normal && p.exact_normal == q.exact_normal) ||
+          (p.normal == -q.normal && p.exact_normal == -q.exact_normal));
 }
 
 std::size_t count_planes(const Scene& scene) {
@@ -91,7 +101,8 @@ std::size_t count_planes(const Scene& scene) {
   for (std::size_t f = 0; f < scene.facets().size(); ++f) {
     if (scene.facets()[f].corner_count == 0) continue;
     const Plane& p = plane_of(scene, f);
-    if (std::none_of(seen.begin(), seen.end(), [&](const Plane* q) { return one_plane(*q, p); })) seen.push_back(&p);
+    if (std::none_of(seen.begin(), seen.end(), [&](const Plane* q) { return one_plane(*q, p); }))
+      seen.push_back(&p);
   }
   return seen.size();
 }
@@ -106,7 +117,8 @@ std::vector<std::uint32_t> plane_indices(const Scene& scene) {
 void expect_flat(const Scene& scene) {
   for (const Facet& f : scene.facets()) {
     const Plane& p = scene.planes()[f.plane];
-    for (const Corner& c : scene.corners_of(f)) ASSERT_LE(std::abs(p.normal.dot(scene.vertices()[c.vertex] - p.point)), p.flatness);
+    for (const Corner& c : scene.corners_of(f))
+      ASSERT_LE(std::abs(p.normal.dot(scene.vertices()[c.vertex] - p.point)), p.flatness);
   }
 }
 
@@ -129,7 +141,8 @@ TEST(Coplanar, ExactPlanesStayWhatTheyAre) {
   EXPECT_EQ(scene.objects()[0].aligned, 0u);
   for (const Plane& p : scene.planes()) EXPECT_EQ(p.flatness, 0);
   // On a fine grid, and not along its axes: sums and products in double would lose digits.
-  const Scene fine = scene_of(bricks({1.25, 0x1p-20, 3}, {1 + 0x1p-15, 0.5, 3 - 0x1p-14}, {-0.25, 0x1p-13, 2}, 8));
+  const Scene fine =
+      scene_of(bricks({1.25, 0x1p-20, 3}, {1 + 0x1p-15, 0.5, 3 - 0x1p-14}, {-0.25, 0x1p-13, 2}, 8));
   EXPECT_EQ(count_planes(fine), 1u);
   EXPECT_EQ(fine.objects()[0].aligned, 0u);
   const Scene tilted = scene_of(bricks({0, 0, 0}, {8, 0, 24}, {0, 8, -16}, 8));
@@ -178,14 +191,17 @@ TEST(Coplanar, CurvedSheetIsNotOnePlane) {
 }
 
 TEST(Coplanar, StepsAreToldFromTreads) {
-  Mesh mesh;  // sheets one upon another, thrice the tolerance apart, and a second sheet in each plane
+  // sheets one upon another, thrice the tolerance apart, and a second sheet in each plane
+  Mesh mesh;
   for (unsigned i = 0; i < 500; ++i) {
     append(mesh, rectangle({0, 0, 3e-12 * i}, {1, 0, 0}, {0, 1, 0}));
-    append(mesh, rectangle({0.5, 0.25, 3e-12 * i + (i % 2 == 0 ? 4e-13 : 0)}, {0.25, 0, 0}, {0, 0.25, 0}));
+    append(mesh, rectangle({0.5, 0.25, 3e-12 * i + (i % 2 == 0 ? 4e-13 : 0)}, {0.25, 0, 0},
+                           {0, 0.25, 0}));
   }
   const Scene scene = scene_of(mesh);
   EXPECT_EQ(count_planes(scene), 500u);
-  for (std::uint32_t i = 0; i < 500; ++i) EXPECT_EQ(scene.facets()[2 * i].plane, scene.facets()[2 * i + 1].plane);
+  for (std::uint32_t i = 0; i < 500; ++i)
+    EXPECT_EQ(scene.facets()[2 * i].plane, scene.facets()[2 * i + 1].plane);
   EXPECT_EQ(scene.objects()[0].aligned, 250u);
 }
 
@@ -216,7 +232,8 @@ TEST(Coplanar, DistortingPoseSharesNoMoreThanItKeepsFlat) {
   append(mesh, rectangle({1, 0, 5e-13}, {1, 0, 0}, {0, 1, 0}));
   EXPECT_EQ(count_planes(scene_of(mesh)), 1u);
   EXPECT_EQ(count_planes(scene_of(mesh, default_coplanarity, Pose(Eigen::Scaling(1e9)))), 1u);
-  EXPECT_EQ(count_planes(scene_of(mesh, default_coplanarity, Pose(Eigen::Scaling(1.0, 1.0, 1e9)))), 2u);
+  EXPECT_EQ(count_planes(scene_of(mesh, default_coplanarity, Pose(Eigen::Scaling(1.0, 1.0, 1e9)))),
+            2u);
 }
 
 TEST(Coplanar, AnyMagnitude) {
@@ -228,7 +245,8 @@ TEST(Coplanar, AnyMagnitude) {
   }
   for (const double shift : {1e3, 1e5, 1e7}) {  // coordinates keep fewer and fewer digits
     Random random(9);
-    const Scene scene = scene_of(turned(brick_cube(4), random_turn(random), {shift, -shift, 0.3 * shift}));
+    const Scene scene =
+        scene_of(turned(brick_cube(4), random_turn(random), {shift, -shift, 0.3 * shift}));
     EXPECT_TRUE(scene.issues().empty()) << shift;
     EXPECT_EQ(count_planes(scene), 6u) << shift;
   }
@@ -247,7 +265,8 @@ TEST(Coplanar, FloatCoordinatesNeedAWiderTolerance) {
 // A wall's far end does not suffer from its plane being one tile's.
 TEST(Coplanar, PlaneOfManyTilesIsAsGoodAsTheirCorners) {
   Random random(21);
-  const Scene scene = scene_of(turned(bricks({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 128), random_turn(random)));
+  const Scene scene =
+      scene_of(turned(bricks({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 128), random_turn(random)));
   EXPECT_EQ(count_planes(scene), 1u);
   EXPECT_LT(scene.planes()[0].flatness, 8 * 0x1p-53);
 }
@@ -260,13 +279,18 @@ TEST(Coplanar, GroupsAreThoseOfASearchOfAll) {
     Mesh mesh;
     const std::size_t planes = 1 + random.below(6);
     std::vector<Eigen::Quaterniond> turns;
-    for (std::size_t p = 0; p < planes; ++p) turns.push_back(p > 0 && random.below(2) == 0 ? turns.back() : random_turn(random));
+    for (std::size_t p = 0; p < planes; ++p)
+      turns.push_back(p > 0 && random.below(2) == 0 ? turns.back() : random_turn(random));
     for (std::size_t f = 0; f < 60; ++f) {
       const std::size_t p = random.below(planes);
       const double size = std::exp(random.in(-20, 0)), width = size * std::exp(random.in(-12, 0));
       const double off = random.below(2) == 0 ? 0 : random.in(-3, 3) * 1e-12;
-      Mesh face = rectangle({random.in(-1, 1), random.in(-1, 1), 0.1 * static_cast<double>(p) + off}, {size, 0, 0}, {0, width, 0});
-      append(mesh, turned(face, turns[p] * (random.below(2) == 0 ? Eigen::Quaterniond(0, 1, 0, 0) : Eigen::Quaterniond::Identity())));
+      Mesh face =
+          rectangle({random.in(-1, 1), random.in(-1, 1), 0.1 * static_cast<double>(p) + off},
+                    {size, 0, 0}, {0, width, 0});
+      append(mesh,
+             turned(face, turns[p] * (random.below(2) == 0 ? Eigen::Quaterniond(0, 1, 0, 0)
+                                                           : Eigen::Quaterniond::Identity())));
     }
     const Scene scene = scene_of(mesh, 0);
     std::vector<Patch> patches;
@@ -280,19 +304,27 @@ TEST(Coplanar, GroupsAreThoseOfASearchOfAll) {
       const auto c = scene.corners_of(scene.facets()[f]);
       double area = scene.faces()[scene.facets()[f].face].area, outline = 0;
       for (std::size_t i = 0; i < c.size(); ++i)
-        outline += (scene.vertices()[c[i].vertex] - scene.vertices()[c[(i + 1) % c.size()].vertex]).norm();
+        outline +=
+            (scene.vertices()[c[i].vertex] - scene.vertices()[c[(i + 1) % c.size()].vertex]).norm();
       const double reach = std::min(tolerance * largest, most_turn * area / outline);
       const double off = distance_from(plane_of(scene, groups[f].leader), figure, patches[f]);
       EXPECT_EQ(groups[groups[f].leader].leader, groups[f].leader);
-      EXPECT_TRUE(groups[f].leader == f || off <= reach * (1 + 1e-9) + 1e-15) << "seed " << seed << ", face " << f;
+      EXPECT_TRUE(groups[f].leader == f || off <= reach * (1 + 1e-9) + 1e-15)
+          << "seed " << seed << ", face " << f;
       if (groups[f].leader != f || 8 * 0x1p-53 * outline > 1e-6 * area / outline) continue;
-      for (std::uint32_t g = 0; g < patches.size(); ++g) {  // a leader, though a larger one would have taken it?
-        if (groups[g].leader != g || scene.faces()[scene.facets()[g].face].area <= area * (1 + 1e-9)) continue;
+      // a leader, though a larger one would have taken it?
+      for (std::uint32_t g = 0; g < patches.size(); ++g) {
+        if (groups[g].leader != g ||
+            scene.faces()[scene.facets()[g].face].area <= area * (1 + 1e-9))
+          continue;
         const auto d = scene.corners_of(scene.facets()[g]);
         double round = 0;
         for (std::size_t i = 0; i < d.size(); ++i)
-          round += (scene.vertices()[d[i].vertex] - scene.vertices()[d[(i + 1) % d.size()].vertex]).norm();
-        if (8 * 0x1p-53 * round > 0.9e-6 * scene.faces()[scene.facets()[g].face].area / round) continue;  // splinters do not lead
+          round += (scene.vertices()[d[i].vertex] - scene.vertices()[d[(i + 1) % d.size()].vertex])
+                       .norm();
+        // splinters do not lead
+        if (8 * 0x1p-53 * round > 0.9e-6 * scene.faces()[scene.facets()[g].face].area / round)
+          continue;
         EXPECT_GT(distance_from(plane_of(scene, g), figure, patches[f]), reach * (1 - 1e-9) - 1e-15)
             << "seed " << seed << ", faces " << f << ", " << g;
       }
@@ -301,20 +333,23 @@ TEST(Coplanar, GroupsAreThoseOfASearchOfAll) {
 }
 
 TEST(Coplanar, MotionsChangeNothing) {
-  for (const bool concave : {false, true}) {  // with a concave face an object goes through all of the door's checks again
+  // with a concave face an object goes through all of the door's checks again
+  for (const bool concave : {false, true}) {
     Random random(11);
     Mesh mesh = turned(brick_cube(8), random_turn(random), {0.5, 0.25, 0.125});
     append(mesh, rectangle({3, 0, 0}, {1, 0, 0}, {0, 1, 0}));
     append(mesh, rectangle({4, 0, 9e-13}, {1, 0, 0}, {0, 1, 0}));  // near the limit
     if (concave) {
       const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-      for (const Vec3& v : {Vec3(6, 0, 0), Vec3(9, 0, 0), Vec3(9, 3, 0), Vec3(8, 1, 0)}) mesh.vertices.push_back(v);
+      for (const Vec3& v : {Vec3(6, 0, 0), Vec3(9, 0, 0), Vec3(9, 3, 0), Vec3(8, 1, 0)})
+        mesh.vertices.push_back(v);
       mesh.add_face({first, first + 1, first + 2, first + 3});
     }
     Scene scene = scene_of(mesh);
     ASSERT_EQ(scene.issues().size(), 0u);
     const std::vector<std::uint32_t> before = plane_indices(scene);
-    EXPECT_EQ(scene.facets()[before.size() - (concave ? 3 : 1)].plane, scene.facets()[before.size() - (concave ? 4 : 2)].plane);
+    EXPECT_EQ(scene.facets()[before.size() - (concave ? 3 : 1)].plane,
+              scene.facets()[before.size() - (concave ? 4 : 2)].plane);
     const std::uint32_t aligned = scene.objects()[0].aligned;
     Pose pose = Pose::Identity();
     for (unsigned k = 0; k < 1000; ++k) {
@@ -328,7 +363,8 @@ TEST(Coplanar, MotionsChangeNothing) {
     const Scene fresh = scene_of(mesh);
     EXPECT_EQ(plane_indices(fresh), before);
     EXPECT_EQ(scene.objects()[0].aligned, aligned);
-    for (std::size_t p = 0; p < fresh.planes().size(); ++p) EXPECT_TRUE(one_plane(fresh.planes()[p], scene.planes()[p])) << p;
+    for (std::size_t p = 0; p < fresh.planes().size(); ++p)
+      EXPECT_TRUE(one_plane(fresh.planes()[p], scene.planes()[p])) << p;
   }
 }
 
@@ -352,7 +388,8 @@ TEST(Coplanar, DeformingDecidesAgain) {
   const ObjectId id = scene.object_id(0);
   EXPECT_EQ(count_planes(scene), 1u);
   Mesh bent = flat;
-  for (std::size_t i = 0; i < 4; ++i) bent.vertices[i] += 1e-6 * plane_of(scene, 0).normal;  // the first brick's
+  // the first brick's
+  for (std::size_t i = 0; i < 4; ++i) bent.vertices[i] += 1e-6 * plane_of(scene, 0).normal;
   ASSERT_EQ(scene.set_vertices(id, bent.vertices), Edit::done);
   EXPECT_EQ(count_planes(scene), 2u);
   Pose pose = Pose(random_turn(random));
@@ -371,13 +408,15 @@ TEST(Coplanar, PartsOfAFoldedFaceKeepTheirs) {
   EXPECT_EQ(count_planes(scene), 2u);
 }
 
-// The sum of a side's lit areas, where sides have `faces` faces each of which the last lies over others.
+// The sum of a side's lit areas, where sides have `faces` faces each of which the last lies over
+// others.
 std::vector<double> lit_by_side(const Scene& scene, const Shadows& shadows, bool posters) {
   const std::uint32_t count = scene.objects()[0].face_count / 6;
   std::vector<double> lit;
   for (std::uint32_t side = 0; side < 6; ++side) {
     double sum = 0;
-    for (std::uint32_t f = side * count; f < (side + 1) * count - (posters ? 1 : 0); ++f) sum += shadows.areas[f].lit;
+    for (std::uint32_t f = side * count; f < (side + 1) * count - (posters ? 1 : 0); ++f)
+      sum += shadows.areas[f].lit;
     lit.push_back(sum);
   }
   return lit;
@@ -409,18 +448,22 @@ TEST(CoplanarShadows, BricksOfATurnedCubeDoNotCross) {
     Options options;
     options.kernel = Kernel::exact;
     options.constructions = true;
-    const Scene scene = made.scene(made.mesh, default_coplanarity), plain = made.scene(made.plain, default_coplanarity);
+    const Scene scene = made.scene(made.mesh, default_coplanarity),
+                plain = made.scene(made.plain, default_coplanarity);
     const Shadows shadows = cast_shadows(scene, made.light, options);
     EXPECT_EQ(shadows.stats.crossing_lines, 0u) << "seed " << seed;
     EXPECT_EQ(check_fragments(scene, made.light, shadows), "") << "seed " << seed;
-    const auto lit = lit_by_side(scene, shadows, true), whole = lit_by_side(plain, cast_shadows(plain, made.light, options), false);
-    for (std::size_t side = 0; side < 6; ++side) EXPECT_NEAR(lit[side], whole[side], 1e-12) << "seed " << seed << ", side " << side;
+    const auto lit = lit_by_side(scene, shadows, true),
+               whole = lit_by_side(plain, cast_shadows(plain, made.light, options), false);
+    for (std::size_t side = 0; side < 6; ++side)
+      EXPECT_NEAR(lit[side], whole[side], 1e-12) << "seed " << seed << ", side " << side;
     if (seed < 3) {
       const ExactOracle oracle(scene, made.light);
       ASSERT_TRUE(oracle.defined()) << oracle.why_undefined();
       EXPECT_EQ(check_exact(oracle, shadows, options.form), "") << "seed " << seed;
     }
-    crossings_without += cast_shadows(made.scene(made.mesh, 0), made.light, options).stats.crossing_lines;
+    crossings_without +=
+        cast_shadows(made.scene(made.mesh, 0), made.light, options).stats.crossing_lines;
   }
   EXPECT_GT(crossings_without, 1000u);  // so the tolerance did it
 }
@@ -464,7 +507,8 @@ TEST(CoplanarShadows, NorAfterAThousandMotions) {
     const Scene plain = made.scene(made.plain, default_coplanarity, pose);
     const auto lit = lit_by_side(engine.scene(), engine.shadows(0), true),
                whole = lit_by_side(plain, cast_shadows(plain, made.light, options), false);
-    for (std::size_t side = 0; side < 6; ++side) ASSERT_NEAR(lit[side], whole[side], 1e-12) << "motion " << k << ", side " << side;
+    for (std::size_t side = 0; side < 6; ++side)
+      ASSERT_NEAR(lit[side], whole[side], 1e-12) << "motion " << k << ", side " << side;
   }
   ASSERT_EQ(engine.validate(), "");
 }

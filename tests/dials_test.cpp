@@ -1,17 +1,28 @@
-// The dials that trade exactness for time: the smallest feature kept (Options::min_feature) and the kernel in floats (Kernel::single).
+// The dials that trade exactness for time: the smallest feature kept (Options::min_feature) and the
+// kernel in floats (Kernel::single).
 //
-// What dropping the smallest features may do, and what is asserted here against the full result of the same scene:
-//   - Areas: lit + shadowed + dropped = area of every face, and the fragments' polygons add up to lit + shadowed.
-//   - A cut keeps both its parts only where neither is too small. So in the form `pieces` a facet that lies in one cell is n > 1 fragments
-//     only if there is room for n disjoint parts of the smallest size. (A remainder may be smaller than that: where every cut of a part
-//     drops something, what is left of it stays whatever its size.) The prefix's own cuts drop nothing.
-//   - What is left casts no more than before: a face's shadowed area does not grow, so lit + dropped is no less than the full lit area.
-//   - Dropped parts no longer cast, so other faces may be lit that were not. By face there is no bound of that but its area: a shadow may
-//     be much larger than what casts it. As seen from the light there is one: what is lit is one layer, all that the light sees, without
+// What dropping the smallest features may do, and what is asserted here against the full result of
+// the same scene:
+//   - Areas: lit + shadowed + dropped = area of every face, and the fragments' polygons add up to
+//     lit + shadowed.
+//   - A cut keeps both its parts only where neither is too small. So in the form `pieces` a facet
+//     that lies in one cell is n > 1 fragments
+//     only if there is room for n disjoint parts of the smallest size. (A remainder may be smaller
+//       than that: where every cut of a part
+//     drops something, what is left of it stays whatever its size.) The prefix's own cuts drop
+//       nothing.
+//   - What is left casts no more than before: a face's shadowed area does not grow, so lit +
+//     dropped is no less than the full lit area.
+//   - Dropped parts no longer cast, so other faces may be lit that were not. By face there is no
+//     bound of that but its area: a shadow may
+//     be much larger than what casts it. As seen from the light there is one: what is lit is one
+//       layer, all that the light sees, without
 //     that and no more than that; and it lacks no more than what was dropped.
-//   - Nothing of it grows with the size for certain: what a coarse setting drops early a finer one may cut, and drop, many times over.
+//   - Nothing of it grows with the size for certain: what a coarse setting drops early a finer one
+//     may cut, and drop, many times over.
 //
-// SHADOWCUT_SOAK=n runs about n random updates instead of some thousands, SHADOWCUT_SEED=k other ones.
+// SHADOWCUT_SOAK=n runs about n random updates instead of some thousands, SHADOWCUT_SEED=k other
+// ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +38,8 @@
 namespace shadowcut::testing {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(),
+                 kInfinity = std::numeric_limits<double>::infinity();
 constexpr Kernel kKernels[] = {Kernel::fast, Kernel::exact, Kernel::single};
 constexpr Form kForms[] = {Form::pieces, Form::merged, Form::conforming};
 
@@ -37,8 +49,8 @@ const char* name_of(Kernel kernel) {
 }
 
 std::string describe_all(const Options& o) {
-  return text("kernel ", name_of(o.kernel), ", ", describe(o), ", smallest area ", o.min_feature.area, ", smallest solid angle ",
-              o.min_feature.solid_angle);
+  return text("kernel ", name_of(o.kernel), ", ", describe(o), ", smallest area ",
+              o.min_feature.area, ", smallest solid angle ", o.min_feature.solid_angle);
 }
 
 struct Case {
@@ -51,7 +63,8 @@ struct Case {
 const std::vector<Case>& cases() {
   static const std::vector<Case> all = [] {
     std::vector<Case> out;
-    for (const char* name : {"room:2", "furnished_room", "city:5", "spheres:4,12,7", "triangles:60", "tetrahedron:2", "branch:2"}) {
+    for (const char* name : {"room:2", "furnished_room", "city:5", "spheres:4,12,7", "triangles:60",
+                             "tetrahedron:2", "branch:2"}) {
       const scenes::SceneData data = scenes::named(name);
       for (const bool sun : {false, true}) {
         Scene scene = scenes::build(data);
@@ -78,10 +91,13 @@ double seen_size(std::span<const Vec3> corners, const Light& light) {
   double sum = 0;
   for (std::size_t i = 2; i < corners.size(); ++i) {
     if (light.kind == Light::Kind::directional) {
-      sum += (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]).dot(light.at.normalized()) / 2;
+      sum +=
+          (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]).dot(light.at.normalized()) /
+          2;
       continue;
     }
-    const Vec3 a = (corners[0] - light.at).normalized(), b = (corners[i - 1] - light.at).normalized(),
+    const Vec3 a = (corners[0] - light.at).normalized(),
+               b = (corners[i - 1] - light.at).normalized(),
                c = (corners[i] - light.at).normalized();
     sum += 2 * std::atan2(a.dot(b.cross(c)), 1 + a.dot(b) + b.dot(c) + c.dot(a));
   }
@@ -110,7 +126,8 @@ SeenSizes seen_sizes(const Scene& scene, const Light& light, const Shadows& shad
   return out;
 }
 
-// How far a face's areas may be off for rounding: a share, and of floats what their distance from the light makes of all corners.
+// How far a face's areas may be off for rounding: a share, and of floats what their distance from
+// the light makes of all corners.
 std::vector<double> rounding_of(const Scene& scene, const Light& light, Kernel kernel) {
   std::vector<double> out;
   for (const Face& face : scene.faces()) {
@@ -129,57 +146,68 @@ std::vector<double> rounding_of(const Scene& scene, const Light& light, Kernel k
 }
 
 // Areas and fragments of a result with a smallest feature, by themselves.
-std::string check_dropped(const Scene& scene, const Shadows& shadows, const std::vector<double>& rounding) {
+std::string check_dropped(const Scene& scene, const Shadows& shadows,
+                          const std::vector<double>& rounding) {
   std::vector<double> of_fragments(scene.faces().size());
   std::vector<std::size_t> count(scene.faces().size());
   for (const Block& block : shadows.blocks) {
-    for (const Fragment& f : block.fragments) of_fragments[f.face] += polygon_area(block.corners_of(f)), ++count[f.face];
+    for (const Fragment& f : block.fragments)
+      of_fragments[f.face] += polygon_area(block.corners_of(f)), ++count[f.face];
   }
   double dropped = 0;
   for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
     const FaceArea& a = shadows.areas[i];
-    const std::string who = text("face ", i, ": lit ", a.lit, ", shadowed ", a.shadowed, ", dropped ", a.dropped, " of ", a.area, ": ");
+    const std::string who = text("face ", i, ": lit ", a.lit, ", shadowed ", a.shadowed,
+                                 ", dropped ", a.dropped, " of ", a.area, ": ");
     if (a.facing == Facing::refused || a.facing == Facing::ignored) {
-      if (a.dropped != 0 || a.lit != 0 || a.shadowed != 0 || count[i] != 0) return who + "should have nothing\n";
+      if (a.dropped != 0 || a.lit != 0 || a.shadowed != 0 || count[i] != 0)
+        return who + "should have nothing\n";
       continue;
     }
     const double slack = rounding[i];
-    if (!(a.dropped >= 0) || !(std::abs(a.lit + a.shadowed + a.dropped - a.area) <= slack)) return who + "do not add up\n";
-    if (std::abs(of_fragments[i] - a.lit - a.shadowed) > slack) return who + text("fragments add up to ", of_fragments[i], "\n");
+    if (!(a.dropped >= 0) || !(std::abs(a.lit + a.shadowed + a.dropped - a.area) <= slack))
+      return who + "do not add up\n";
+    if (std::abs(of_fragments[i] - a.lit - a.shadowed) > slack)
+      return who + text("fragments add up to ", of_fragments[i], "\n");
     if (count[i] == 0 || !(a.lit + a.shadowed > 0)) return who + "dropped whole\n";
     if (a.facing == Facing::toward) dropped += a.dropped;
     else if (a.dropped > slack || a.lit != 0) return who + "never met a cut\n";
   }
-  if (std::abs(shadows.stats.dropped_area - dropped) > std::accumulate(rounding.begin(), rounding.end(), 0.0))
+  if (std::abs(shadows.stats.dropped_area - dropped) >
+      std::accumulate(rounding.begin(), rounding.end(), 0.0))
     return text("stats: dropped_area ", shadows.stats.dropped_area, ", should be ", dropped, "\n");
   return {};
 }
 
-// Both results are of one scene, `full` with nothing dropped. Undecided: of both together. Tolerance: of what is lit as seen from the
-// light, as a share; infinite: not looked at.
-std::string check_against_full(const Scene& scene, const Light& light, const Shadows& full, const Shadows& shadows,
-                               const std::vector<double>& rounding, const Undecided& undecided, double tolerance) {
+// Both results are of one scene, `full` with nothing dropped. Undecided: of both together.
+// Tolerance: of what is lit as seen from the light, as a share; infinite: not looked at.
+std::string check_against_full(const Scene& scene, const Light& light, const Shadows& full,
+                               const Shadows& shadows, const std::vector<double>& rounding,
+                               const Undecided& undecided, double tolerance) {
   for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
     const FaceArea &x = full.areas[i], &y = shadows.areas[i];
     if (x.facing != y.facing) return text("face ", i, ": another facing\n");
     if (y.lit + y.dropped < x.lit - rounding[i] - undecided[i])
-      return text("face ", i, ": lit ", y.lit, " and dropped ", y.dropped, " of ", x.area, ", but ", x.lit, " is lit; undecided ",
-                  undecided[i], "\n");
+      return text("face ", i, ": lit ", y.lit, " and dropped ", y.dropped, " of ", x.area, ", but ",
+                  x.lit, " is lit; undecided ", undecided[i], "\n");
   }
   // Where all cast and all receive, what is lit is one layer.
   const auto& objects = scene.objects();
-  if (std::isinf(tolerance) ||
-      !std::all_of(objects.begin(), objects.end(), [](const Object& o) { return !o.alive || (o.casts && o.receives); }))
+  if (std::isinf(tolerance) || !std::all_of(objects.begin(), objects.end(), [](const Object& o) {
+        return !o.alive || (o.casts && o.receives);
+      }))
     return {};
   const SeenSizes before = seen_sizes(scene, light, full), now = seen_sizes(scene, light, shadows);
   const double dropped = now.facets - now.fragments, slack = tolerance * now.facets;
   if (now.lit > before.lit + slack || now.lit < before.lit - dropped - slack)
-    return text("as seen from the light ", now.lit, " is lit and ", dropped, " dropped, where ", before.lit, " is lit\n");
+    return text("as seen from the light ", now.lit, " is lit and ", dropped, " dropped, where ",
+                before.lit, " is lit\n");
   return {};
 }
 
 // No more fragments than there is room for. Of results in pieces and one cell.
-std::string check_room(const Scene& scene, const Light& light, const Shadows& shadows, const MinFeature& least) {
+std::string check_room(const Scene& scene, const Light& light, const Shadows& shadows,
+                       const MinFeature& least) {
   std::vector<std::size_t> count(scene.facets().size());
   for (const Block& block : shadows.blocks) {
     for (const Fragment& f : block.fragments) ++count[f.facet];
@@ -187,10 +215,13 @@ std::string check_room(const Scene& scene, const Light& light, const Shadows& sh
   for (std::size_t i = 0; i < count.size(); ++i) {
     if (count[i] < 2) continue;
     std::vector<Vec3> corners;
-    for (const Corner& c : scene.corners_of(scene.facets()[i])) corners.push_back(scene.vertices()[c.vertex]);
+    for (const Corner& c : scene.corners_of(scene.facets()[i]))
+      corners.push_back(scene.vertices()[c.vertex]);
     const auto n = static_cast<double>(count[i]);
-    if (n * least.area > polygon_area(corners) * (1 + 1e-5) || n * least.solid_angle > seen_size(corners, light) * (1 + 1e-5))
-      return text("facet ", i, ": ", n, " fragments, of ", polygon_area(corners), " and ", seen_size(corners, light), "\n");
+    if (n * least.area > polygon_area(corners) * (1 + 1e-5) ||
+        n * least.solid_angle > seen_size(corners, light) * (1 + 1e-5))
+      return text("facet ", i, ": ", n, " fragments, of ", polygon_area(corners), " and ",
+                  seen_size(corners, light), "\n");
   }
   return {};
 }
@@ -234,7 +265,9 @@ TEST(MinFeature, AreasAddUp) {
             SCOPED_TRACE(describe_all(options));
             const Shadows shadows = by_engine(c.scene, options);
             ASSERT_EQ(check_dropped(c.scene, shadows, rounding), "");
-            ASSERT_EQ(check_against_full(c.scene, c.light, full, shadows, rounding, undecided, kernel == Kernel::single ? 1e-4 : 1e-7), "");
+            ASSERT_EQ(check_against_full(c.scene, c.light, full, shadows, rounding, undecided,
+                                         kernel == Kernel::single ? 1e-4 : 1e-7),
+                      "");
             if (form == Form::pieces && !edits) {
               ASSERT_EQ(check_room(c.scene, c.light, shadows, least), "");
             }
@@ -256,14 +289,16 @@ TEST(MinFeature, WhatIsSmallerThanAllPartsDropsNothing) {
       double least = kInfinity;
       for (const Block& block : full.blocks) {
         for (const Fragment& f : block.fragments) {
-          if (full.areas[f.face].facing == Facing::toward) least = std::min(least, polygon_area(block.corners_of(f)));
+          if (full.areas[f.face].facing == Facing::toward)
+            least = std::min(least, polygon_area(block.corners_of(f)));
         }
       }
       for (const double size : {0.0, -0.0, least / 2}) {
         options.min_feature.area = size;
         const Shadows shadows = by_engine(c.scene, options);
         ASSERT_EQ(shadows.blocks.size(), full.blocks.size());
-        EXPECT_LE(shadows.stats.dropped_area, size == 0 ? 0 : 1e-12 * shadows.stats.facing_area) << size;
+        EXPECT_LE(shadows.stats.dropped_area, size == 0 ? 0 : 1e-12 * shadows.stats.facing_area)
+            << size;
         Shadows same = shadows;
         for (FaceArea& a : same.areas) a.dropped = 0;
         EXPECT_EQ(check_identical(full, same), "") << size;
@@ -277,7 +312,8 @@ TEST(MinFeature, SameBitsForAnyNumberOfThreads) {
     for (const Kernel kernel : kKernels) {
       for (const bool edits : {false, true}) {
         Options options;
-        options.kernel = kernel, options.edits = edits, options.threads = 1, options.facets_per_cell = 16;
+        options.kernel = kernel, options.edits = edits, options.threads = 1,
+        options.facets_per_cell = 16;
         options.min_feature.area = 1e-3 * mean_area(c.scene);
         SCOPED_TRACE(c.name + ", " + describe_all(options));
         const Shadows one = by_engine(c.scene, options);
@@ -293,14 +329,17 @@ TEST(MinFeature, TheCallIsTheEngine) {
     Options options;
     options.edits = false;
     options.min_feature.area = 1e-3 * mean_area(c.scene);
-    EXPECT_EQ(check_identical(cast_shadows(c.scene, c.light, options), by_engine(c.scene, options)), "") << c.name;
+    EXPECT_EQ(check_identical(cast_shadows(c.scene, c.light, options), by_engine(c.scene, options)),
+              "")
+        << c.name;
   }
 }
 
 TEST(MinFeature, BadSizesAreRefused) {
   const Case &point = cases()[0], &sun = cases()[1];
   for (const double bad : {-1.0, -1e-300, -kInfinity, kNaN}) {
-    for (const MinFeature& least : {MinFeature{bad, 0}, MinFeature{0, bad}, MinFeature{bad, 1}, MinFeature{1, bad}}) {
+    for (const MinFeature& least :
+         {MinFeature{bad, 0}, MinFeature{0, bad}, MinFeature{bad, 1}, MinFeature{1, bad}}) {
       for (const Kernel kernel : kKernels) {
         Options options;
         options.kernel = kernel, options.min_feature = least;
@@ -352,7 +391,8 @@ TEST(MinFeature, ALightThatBecomesASunIsAnErrorOnce) {
     ASSERT_EQ(mirror.apply(engine.update(), engine), "");
     EXPECT_EQ(engine.validate(), "");
     Options once = options;
-    EXPECT_EQ(check_dropped(scene, engine.shadows(0), rounding_of(scene, point, options.kernel)), "");
+    EXPECT_EQ(check_dropped(scene, engine.shadows(0), rounding_of(scene, point, options.kernel)),
+              "");
     Engine anew(scene, once);
     anew.update();
     EXPECT_EQ(check_same_areas(scene, anew.shadows(0), engine.shadows(0)), "");
@@ -377,15 +417,19 @@ Options some_options(std::uint64_t seed) {
 }
 
 class DialsOf : public ::testing::TestWithParam<Setting> {};
-INSTANTIATE_TEST_SUITE_P(Settings, DialsOf, ::testing::ValuesIn(all_settings().begin(), all_settings().end()),
+INSTANTIATE_TEST_SUITE_P(Settings, DialsOf,
+                         ::testing::ValuesIn(all_settings().begin(), all_settings().end()),
                          [](const auto& info) { return std::string(info.param.name); });
 
-// Random histories, from a first seed on: whatever set(options, seed, scene) makes of some options, what edits hand out is consistent, and
-// check(scene, light, full, shadows, undecided, options) has nothing to say of any light: against the full result, that of the fast kernel
-// with nothing dropped, and what the two leave undecided together.
+// Random histories, from a first seed on: whatever set(options, seed, scene) makes of some options,
+// what edits hand out is consistent, and check(scene, light, full, shadows, undecided, options) has
+// nothing to say of any light: against the full result, that of the fast kernel with nothing
+// dropped, and what the two leave undecided together.
 template <class Set, class Check>
-void run_histories(const Setting& setting, std::uint64_t first, const Set& set, const Check& check) {
-  const std::uint64_t updates = environment("SHADOWCUT_SOAK").value_or(2600) / all_settings().size() + 1;
+void run_histories(const Setting& setting, std::uint64_t first, const Set& set,
+                   const Check& check) {
+  const std::uint64_t updates =
+      environment("SHADOWCUT_SOAK").value_or(2600) / all_settings().size() + 1;
   std::uint64_t done = 0;
   for (std::uint64_t seed = first + first_seed(); done < updates; ++seed) {
     EditScript script(setting, seed);
@@ -396,7 +440,8 @@ void run_histories(const Setting& setting, std::uint64_t first, const Set& set, 
     Mirror mirror;
     std::string edits = "the first update";
     for (int step = 0; step < 30; ++step, ++done) {
-      SCOPED_TRACE(text("setting ", setting.name, ", seed ", seed, ", ", describe_all(options), ", step ", step, ": ", edits));
+      SCOPED_TRACE(text("setting ", setting.name, ", seed ", seed, ", ", describe_all(options),
+                        ", step ", step, ": ", edits));
       ASSERT_EQ(mirror.apply(engine.update(), engine), "");
       ASSERT_EQ(engine.validate(), "");
       if (step % 8 == 7) {
@@ -422,14 +467,17 @@ TEST_P(DialsOf, MinFeatureInRandomHistories) {
     options.min_feature.area = std::array{1e-6, 1e-3, 0.05, 1.0}[seed % 4] * mean_area(scene);
   };
   run_histories(GetParam(), 40000, set,
-                [](const Scene& scene, const Light& light, const Shadows& full, const Shadows& shadows, const Undecided& undecided,
-                   const Options& options) {
-                  return check_against_full(scene, light, full, shadows, rounding_of(scene, light, options.kernel), undecided, kInfinity);
+                [](const Scene& scene, const Light& light, const Shadows& full,
+                   const Shadows& shadows, const Undecided& undecided, const Options& options) {
+                  return check_against_full(scene, light, full, shadows,
+                                            rounding_of(scene, light, options.kernel), undecided,
+                                            kInfinity);
                 });
 }
 
-// A mover that comes and goes does not wear its surroundings away: whenever the scene is what it was, about as much is dropped as at
-// first. Measured (a thousand rounds, 16 scenes): up to 2.5 times as much, and not more with time.
+// A mover that comes and goes does not wear its surroundings away: whenever the scene is what it
+// was, about as much is dropped as at first. Measured (a thousand rounds, 16 scenes): up to 2.5
+// times as much, and not more with time.
 TEST(MinFeature, ComingAndGoingDoesNotWearFacesAway) {
   for (const char* name : {"rooms", "city", "spheres", "triangles"}) {
     EditScript script(setting_named(name), 1);
@@ -451,7 +499,8 @@ TEST(MinFeature, ComingAndGoingDoesNotWearFacesAway) {
   }
 }
 
-// Floats: areas by what they leave undecided, facing as the fast kernel's, everything else as of any kernel.
+// Floats: areas by what they leave undecided, facing as the fast kernel's, everything else as of
+// any kernel.
 TEST(Single, ItsResultIsTheFastOneButForWhatIsUndecided) {
   for (const Case& c : cases()) {
     Options options;
@@ -461,7 +510,8 @@ TEST(Single, ItsResultIsTheFastOneButForWhatIsUndecided) {
     const std::vector<double> rounding = rounding_of(c.scene, c.light, Kernel::single);
     for (const Form form : kForms) {
       for (const bool edits : {false, true}) {
-        options.kernel = Kernel::single, options.form = form, options.edits = edits, options.facets_per_cell = edits ? 128 : 8;
+        options.kernel = Kernel::single, options.form = form, options.edits = edits,
+        options.facets_per_cell = edits ? 128 : 8;
         SCOPED_TRACE(c.name + ", " + describe_all(options));
         Undecided undecided;
         options.threads = 1;
@@ -485,10 +535,14 @@ TEST(Single, ItsResultIsTheFastOneButForWhatIsUndecided) {
 }
 
 TEST_P(DialsOf, SingleInRandomHistories) {
-  const auto set = [](Options& options, std::uint64_t, const Scene&) { options.kernel = Kernel::single; };
+  const auto set = [](Options& options, std::uint64_t, const Scene&) {
+    options.kernel = Kernel::single;
+  };
   run_histories(GetParam(), 60000, set,
-                [](const Scene& scene, const Light&, const Shadows& full, const Shadows& shadows, const Undecided& undecided,
-                   const Options&) { return check_same_areas(scene, full, shadows, 1e-9, &undecided); });
+                [](const Scene& scene, const Light&, const Shadows& full, const Shadows& shadows,
+                   const Undecided& undecided, const Options&) {
+                  return check_same_areas(scene, full, shadows, 1e-9, &undecided);
+                });
 }
 
 }  // namespace

@@ -13,24 +13,28 @@ namespace {
 
 constexpr double kSame = 1e-13;
 
-// A floor of 10 x 10 under a square lamp shade that is no receiver, the sun right above: the shade's shadow is 2 x 2.
+// A floor of 10 x 10 under a square lamp shade that is no receiver, the sun right above: the
+// shade's shadow is 2 x 2.
 Scene shaded(double x) {
   Scene scene;
   scene.add(scenes::rectangle({0, 0, 0}, {10, 0, 0}, {0, 10, 0}), {.name = "floor"});
-  scene.add(scenes::rectangle({x, 4, 1}, {2, 0, 0}, {0, 2, 0}), {.name = "shade", .receives = false});
+  scene.add(scenes::rectangle({x, 4, 1}, {2, 0, 0}, {0, 2, 0}),
+            {.name = "shade", .receives = false});
   return scene;
 }
 
 Shadows noon(double x) { return cast_shadows(shaded(x), Light::directional({0, 0, -1})); }
 
 TEST(Compare, SameRegionsInOtherFragments) {
-  for (const scenes::SceneData& data : {scenes::room(2), scenes::city(8), scenes::triangles(200), scenes::branch(2)}) {
+  for (const scenes::SceneData& data :
+       {scenes::room(2), scenes::city(8), scenes::triangles(200), scenes::branch(2)}) {
     const Scene scene = scenes::build(data);
     Options other;
     other.order = Order::random;
     other.form = Form::pieces;
     other.facets_per_cell = 8;
-    const Difference d = greatest_difference(scene, cast_shadows(scene, data.light), cast_shadows(scene, data.light, other));
+    const Difference d = greatest_difference(scene, cast_shadows(scene, data.light),
+                                             cast_shadows(scene, data.light, other));
     EXPECT_LT(d.share, 1e-11) << data.name;
     EXPECT_NE(d.face, none);
   }
@@ -82,7 +86,8 @@ TEST(Compare, CornersAHairApart) {
     Block& block = odd.blocks[0];
     for (Fragment& f : block.fragments) {
       std::vector<Vec3> corners(block.corners_of(f).begin(), block.corners_of(f).end());
-      const Vec3 middle = 0.5 * (corners[0] + corners[1]), along = (corners[1] - corners[0]).normalized();
+      const Vec3 middle = 0.5 * (corners[0] + corners[1]),
+                 along = (corners[1] - corners[0]).normalized();
       corners.insert(corners.begin() + 1, {middle, middle + along * apart + Vec3(1, 1, 0) * 1e-16});
       f.first_corner = static_cast<std::uint32_t>(block.corners.size());
       f.corner_count += 2;

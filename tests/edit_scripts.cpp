@@ -22,10 +22,18 @@ SceneData of_kind(std::uint64_t seed) {
   return random_scene(kind, 90000 + seed);
 }
 
-SceneData some_room(std::uint64_t seed) { return seed % 4 == 3 ? scenes::room(2) : scenes::room(1); }
-SceneData some_city(std::uint64_t seed) { return scenes::city(static_cast<std::uint32_t>(4 + seed % 5)); }
-SceneData some_spheres(std::uint64_t seed) { return scenes::spheres(static_cast<std::uint32_t>(3 + seed % 3), 8, 5); }
-SceneData some_triangles(std::uint64_t seed) { return scenes::triangles(static_cast<std::uint32_t>(20 + seed % 41)); }
+SceneData some_room(std::uint64_t seed) {
+  return seed % 4 == 3 ? scenes::room(2) : scenes::room(1);
+}
+SceneData some_city(std::uint64_t seed) {
+  return scenes::city(static_cast<std::uint32_t>(4 + seed % 5));
+}
+SceneData some_spheres(std::uint64_t seed) {
+  return scenes::spheres(static_cast<std::uint32_t>(3 + seed % 3), 8, 5);
+}
+SceneData some_triangles(std::uint64_t seed) {
+  return scenes::triangles(static_cast<std::uint32_t>(20 + seed % 41));
+}
 
 void add(SceneData& data, Mesh mesh, const char* what) {
   ObjectSettings settings;
@@ -34,10 +42,12 @@ void add(SceneData& data, Mesh mesh, const char* what) {
 }
 
 double half_steps(Random& random, int lo, int hi) {
-  return lo + 0.5 * static_cast<double>(random.below(static_cast<std::uint64_t>(2 * (hi - lo) + 1)));
+  return lo +
+         0.5 * static_cast<double>(random.below(static_cast<std::uint64_t>(2 * (hi - lo) + 1)));
 }
 
-// Sheets in few planes, many upon each other, and piles of boxes with sides flush. Everything in half units.
+// Sheets in few planes, many upon each other, and piles of boxes with sides flush. Everything in
+// half units.
 SceneData stacks(std::uint64_t seed) {
   SceneData data;
   data.name = "stacks, seed " + std::to_string(seed);
@@ -45,14 +55,16 @@ SceneData stacks(std::uint64_t seed) {
   add(data, scenes::rectangle({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}), "ground");
   add(data, scenes::rectangle({-4, 4, 0}, {8, 0, 0}, {0, 0, 4}), "wall");
   for (std::uint64_t k = 2 + random.below(4); k > 0; --k) {  // upon ground and wall
-    const double x = half_steps(random, -3, 2), y = half_steps(random, -3, 2), w = half_steps(random, 1, 2), d = half_steps(random, 1, 2);
+    const double x = half_steps(random, -3, 2), y = half_steps(random, -3, 2),
+                 w = half_steps(random, 1, 2), d = half_steps(random, 1, 2);
     if (random.below(2) == 0) add(data, scenes::rectangle({x, y, 0}, {w, 0, 0}, {0, d, 0}), "mat");
     else add(data, scenes::rectangle({x, 4, 0.5}, {w, 0, 0}, {0, 0, d}), "poster");
   }
   for (std::uint64_t k = 1 + random.below(3); k > 0; --k) {  // sheets of one level
     const double z = half_steps(random, 1, 2);
     for (std::uint64_t i = 1 + random.below(3); i > 0; --i) {
-      const double x = half_steps(random, -2, 1), y = half_steps(random, -2, 1), w = half_steps(random, 1, 2), d = half_steps(random, 1, 2);
+      const double x = half_steps(random, -2, 1), y = half_steps(random, -2, 1),
+                   w = half_steps(random, 1, 2), d = half_steps(random, 1, 2);
       add(data, scenes::rectangle({x, y, z}, {w, 0, 0}, {0, d, 0}), "sheet");
     }
   }
@@ -63,31 +75,41 @@ SceneData stacks(std::uint64_t seed) {
     add(data, scenes::box({x, y, z}, {x + half_steps(random, 1, 2), y + 1, top}), "box");
     z = top;
   }
-  data.light = random.below(3) == 0 ? Light::directional({half_steps(random, -1, 1), half_steps(random, -1, 1), -1})
-                                    : Light::point({half_steps(random, -3, 3), half_steps(random, -3, 3), half_steps(random, 2, 6)});
+  data.light = random.below(3) == 0
+                   ? Light::directional({half_steps(random, -1, 1), half_steps(random, -1, 1), -1})
+                   : Light::point({half_steps(random, -3, 3), half_steps(random, -3, 3),
+                                   half_steps(random, 2, 6)});
   return data;
 }
 
-// Tables upon a floor, boxes upon the tables, tetrahedra and sheets upon the boxes; coordinates are multiples of 2^-20, so that what rests
-// touches to the bit.
+// Tables upon a floor, boxes upon the tables, tetrahedra and sheets upon the boxes; coordinates are
+// multiples of 2^-20, so that what rests touches to the bit.
 SceneData resting(std::uint64_t seed) {
   SceneData data;
   data.name = "resting, seed " + std::to_string(seed);
   Random random(57 * seed + 9);
   add(data, scenes::rectangle({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}), "floor");
   for (std::uint64_t k = 1 + random.below(3); k > 0; --k) {
-    const double x = random.in(-2, 1), y = random.in(-2, 1), w = random.in(0.5, 1.5), d = random.in(0.5, 1.5), top = random.in(0.5, 1);
+    const double x = random.in(-2, 1), y = random.in(-2, 1), w = random.in(0.5, 1.5),
+                 d = random.in(0.5, 1.5), top = random.in(0.5, 1);
     Mesh table = scenes::box({x, y, top - 0.125}, {x + w, y + d, top});
     for (const double u : {x, x + w - 0.125})
-      for (const double v : {y, y + d - 0.125}) scenes::append(table, scenes::box({u, v, 0}, {u + 0.125, v + 0.125, top - 0.125}));
+      for (const double v : {y, y + d - 0.125})
+        scenes::append(table, scenes::box({u, v, 0}, {u + 0.125, v + 0.125, top - 0.125}));
     add(data, std::move(table), "table");
     const double high = random.in(0.1, 0.5);
-    if (random.below(4) != 0) add(data, scenes::box({x + 0.125, y, top}, {x + w / 2, y + 0.375, top + high}), "box");
-    if (random.below(2) == 0) add(data, scenes::rectangle({x + 0.125, y, top + high}, {0.25, 0, 0}, {0, 0.25, 0}), "paper");
+    if (random.below(4) != 0)
+      add(data, scenes::box({x + 0.125, y, top}, {x + w / 2, y + 0.375, top + high}), "box");
+    if (random.below(2) == 0)
+      add(data, scenes::rectangle({x + 0.125, y, top + high}, {0.25, 0, 0}, {0, 0.25, 0}), "paper");
     if (random.below(2) == 0) {
       Mesh wedge;  // leans on nothing, stands on the table's top
-      wedge.vertices = {{x + w / 2, y + 0.375, top}, {x + w, y + 0.375, top}, {x + w / 2, y + 0.5, top}, {x + w / 2, y + 0.375, top + 0.5}};
-      for (const auto& t : {std::array{0u, 2u, 1u}, {0u, 1u, 3u}, {1u, 2u, 3u}, {2u, 0u, 3u}}) wedge.add_face({t[0], t[1], t[2]});
+      wedge.vertices = {{x + w / 2, y + 0.375, top},
+                        {x + w, y + 0.375, top},
+                        {x + w / 2, y + 0.5, top},
+                        {x + w / 2, y + 0.375, top + 0.5}};
+      for (const auto& t : {std::array{0u, 2u, 1u}, {0u, 1u, 3u}, {1u, 2u, 3u}, {2u, 0u, 3u}})
+        wedge.add_face({t[0], t[1], t[2]});
       add(data, std::move(wedge), "wedge");
     }
   }
@@ -132,9 +154,12 @@ Pose about(const Vec3& point, const Eigen::Matrix3d& linear, const Pose& pose) {
   return out;
 }
 
-bool coarse(const Vec3& x) { return (8 * x).array().round().matrix() == 8 * x && x.cwiseAbs().maxCoeff() < 512; }
+bool coarse(const Vec3& x) {
+  return (8 * x).array().round().matrix() == 8 * x && x.cwiseAbs().maxCoeff() < 512;
+}
 
-// By coordinates for which doubles are exact: of faces that are square to an axis, or all multiples of an eighth.
+// By coordinates for which doubles are exact: of faces that are square to an axis, or all multiples
+// of an eighth.
 bool exactly_in_plane(const Scene& scene, const Facet& facet, const Light& light) {
   const bool point = light.kind == Light::Kind::point;
   const auto corners = scene.corners_of(facet);
@@ -142,7 +167,8 @@ bool exactly_in_plane(const Scene& scene, const Facet& facet, const Light& light
   for (int axis = 0; axis < 3; ++axis) {
     const double level = at(0)[axis];
     const auto here = [&](const Corner& c) { return scene.vertices()[c.vertex][axis] == level; };
-    if (std::all_of(corners.begin(), corners.end(), here)) return point ? light.at[axis] == level : light.at[axis] == 0;
+    if (std::all_of(corners.begin(), corners.end(), here))
+      return point ? light.at[axis] == level : light.at[axis] == 0;
   }
   const auto is_coarse = [&](const Corner& c) { return coarse(scene.vertices()[c.vertex]); };
   if (!coarse(light.at) || !std::all_of(corners.begin(), corners.end(), is_coarse)) return false;
@@ -157,13 +183,15 @@ bool exactly_in_plane(const Scene& scene, const Facet& facet, const Light& light
 
 std::span<const Setting> all_settings() { return kSettings; }
 const Setting& setting_named(const std::string& name) {
-  const auto it = std::find_if(kSettings.begin(), kSettings.end(), [&](const Setting& s) { return s.name == name; });
+  const auto it = std::find_if(kSettings.begin(), kSettings.end(),
+                               [&](const Setting& s) { return s.name == name; });
   require(it != kSettings.end(), "no such setting");
   return *it;
 }
 void PrintTo(const Setting& setting, std::ostream* out) { *out << setting.name; }
 
-EditScript::EditScript(const Setting& setting, std::uint64_t seed) : random_(seed * 1000003 + 17), grid_(setting.grid) {
+EditScript::EditScript(const Setting& setting, std::uint64_t seed)
+    : random_(seed * 1000003 + 17), grid_(setting.grid) {
   const SceneData data = setting.scene(seed);
   calm_ = random_.below(2) == 0;
   for (const auto& [mesh, settings] : data.objects) {
@@ -238,7 +266,8 @@ std::string EditScript::step() {
 std::string EditScript::move(std::size_t k) {
   Item& item = items_[k];
   if (random_.below(8) == 0) return set_pose(item, Pose(item.pose_at_first), "home: ");
-  const Vec3 by = random_.below(2) == 0 ? random_.in_ball(0.1 * radius_) : on_grid(random_.in_ball(0.25 * radius_));
+  const Vec3 by = random_.below(2) == 0 ? random_.in_ball(0.1 * radius_)
+                                        : on_grid(random_.in_ball(0.25 * radius_));
   Pose pose = item.pose_at_first;
   pose.pretranslate(by);
   return set_pose(item, pose, "") + clear_lights();
@@ -271,8 +300,10 @@ bool EditScript::unclear(const Light& light) const {
   return std::any_of(scene_.facets().begin(), scene_.facets().end(), [&](const Facet& facet) {
     if (facet.corner_count == 0) return false;
     const Plane& plane = scene_.planes()[facet.plane];
-    const double height = point ? plane.normal.dot(light.at - plane.point) : plane.normal.dot(light.at);
-    return std::abs(height) < 1e-5 * far * (point ? radius_ : light.at.norm()) && !exactly_in_plane(scene_, facet, light);
+    const double height =
+        point ? plane.normal.dot(light.at - plane.point) : plane.normal.dot(light.at);
+    return std::abs(height) < 1e-5 * far * (point ? radius_ : light.at.norm()) &&
+           !exactly_in_plane(scene_, facet, light);
   });
 }
 
@@ -285,7 +316,9 @@ double EditScript::reach() const {
 }
 
 bool EditScript::deformed() const {
-  return std::any_of(items_.begin(), items_.end(), [](const Item& i) { return i.present && i.mesh.vertices != i.vertices_at_first; });
+  return std::any_of(items_.begin(), items_.end(), [](const Item& i) {
+    return i.present && i.mesh.vertices != i.vertices_at_first;
+  });
 }
 
 EditScript::Item* EditScript::any_present() {
@@ -305,7 +338,9 @@ std::pair<Vec3, Vec3> EditScript::bounds(const Item& item) const {
 }
 
 double EditScript::on_grid(double x) const { return std::nearbyint(x / grid_) * grid_; }
-Vec3 EditScript::on_grid(const Vec3& x) const { return {on_grid(x.x()), on_grid(x.y()), on_grid(x.z())}; }
+Vec3 EditScript::on_grid(const Vec3& x) const {
+  return {on_grid(x.x()), on_grid(x.y()), on_grid(x.z())};
+}
 
 // Around the middle, often on the grid.
 Vec3 EditScript::some_place() {
@@ -332,7 +367,9 @@ std::string EditScript::small_move() {
   const double reach = radius_ * (random_.below(2) == 0 ? 0.01 : 0.1);
   if (random_.below(3) == 0) return shift(*item, on_grid(random_.in_ball(2 * grid_)), "a step: ");
   if (random_.below(3) != 0) return shift(*item, random_.in_ball(reach), "small move: ");
-  return shift(*item, reach * Vec3{random_.unit() - 0.5, 0.25 * random_.unit(), random_.unit() - 0.5}, "small uneven move: ");
+  return shift(*item,
+               reach * Vec3{random_.unit() - 0.5, 0.25 * random_.unit(), random_.unit() - 0.5},
+               "small uneven move: ");
 }
 
 std::string EditScript::large_move() {
@@ -355,18 +392,20 @@ std::string EditScript::touch() {
   const auto [other_lo, other_hi] = bounds(*other);
   const int axis = static_cast<int>(random_.below(3));
   const std::uint64_t own_side = random_.below(2), other_side = random_.below(2);
-  const auto gap = [&, from = own_side == 0, to = other_side == 0 ? other_lo[axis] : other_hi[axis]] {
+  const auto gap = [&, from = own_side == 0,
+                    to = other_side == 0 ? other_lo[axis] : other_hi[axis]] {
     const auto [lo, hi] = bounds(*item);
     return to - (from ? lo : hi)[axis];
   };
   Vec3 by = gap() * Vec3::Unit(axis);
   if (random_.below(2) == 0) {  // one above the other
     const Vec3 lo = bounds(*item).first;
-    for (const int k : {(axis + 1) % 3, (axis + 2) % 3}) by[k] = on_grid(random_.in(other_lo[k], other_hi[k]) - lo[k]);
+    for (const int k : {(axis + 1) % 3, (axis + 2) % 3})
+      by[k] = on_grid(random_.in(other_lo[k], other_hi[k]) - lo[k]);
   }
   std::string done = shift(*item, by, ("beside " + other->settings.name + ": ").c_str());
-  // What rounding has left of the gap: touching to the last bit, or nearly, is a contact for everybody; some ulps more is one for the
-  // oracle.
+  // What rounding has left of the gap: touching to the last bit, or nearly, is a contact for
+  // everybody; some ulps more is one for the oracle.
   if (const double rest = gap(); rest != 0) done += shift(*item, rest * Vec3::Unit(axis), ", and ");
   return done;
 }
@@ -377,15 +416,19 @@ std::string EditScript::quarter_turn() {
   const auto [lo, hi] = bounds(*item);
   const Vec3 point = on_grid(Vec3(0.5 * (lo + hi)));
   const int axis = random_.below(2) == 0 ? 2 : static_cast<int>(random_.below(3));
-  return set_pose(*item, about(point, quarter(axis, 1 + random_.below(3)), item->settings.pose), "quarter turn: ");
+  return set_pose(*item, about(point, quarter(axis, 1 + random_.below(3)), item->settings.pose),
+                  "quarter turn: ");
 }
 
 std::string EditScript::turn() {
   Item* item = any_present();
   if (!item) return {};
   const auto [lo, hi] = bounds(*item);
-  const Vec3 axis = random_.below(2) == 0 ? Vec3(0, 0, 1) : Vec3((random_.in_ball(1) + Vec3(0, 0, 1.5)).normalized());
-  const Eigen::Matrix3d linear = Eigen::AngleAxisd(2 * std::numbers::pi * random_.unit(), axis).toRotationMatrix();
+  const Vec3 axis = random_.below(2) == 0
+                        ? Vec3(0, 0, 1)
+                        : Vec3((random_.in_ball(1) + Vec3(0, 0, 1.5)).normalized());
+  const Eigen::Matrix3d linear =
+      Eigen::AngleAxisd(2 * std::numbers::pi * random_.unit(), axis).toRotationMatrix();
   return set_pose(*item, about(0.5 * (lo + hi), linear, item->settings.pose), "turn: ");
 }
 
@@ -403,12 +446,15 @@ std::string EditScript::move_to_light() {
     case 1: {
       const Object& o = *scene_.find(item->id);
       if (o.vertex_count == 0) return {};
-      return shift(*item, at - scene_.vertices()[o.first_vertex + random_.below(o.vertex_count)], "a corner to the light: ");
+      return shift(*item, at - scene_.vertices()[o.first_vertex + random_.below(o.vertex_count)],
+                   "a corner to the light: ");
     }
     case 2:
-      return shift(*item, at - 0.5 * (lo + hi) + random_.in_ball(0.1 * radius_), "near the light: ");
+      return shift(*item, at - 0.5 * (lo + hi) + random_.in_ball(0.1 * radius_),
+                   "near the light: ");
     default:
-      return shift(*item, (at[axis] - (random_.below(2) == 0 ? lo : hi)[axis]) * Vec3::Unit(axis), "a side beside the light: ");
+      return shift(*item, (at[axis] - (random_.below(2) == 0 ? lo : hi)[axis]) * Vec3::Unit(axis),
+                   "a side beside the light: ");
   }
 }
 
@@ -421,7 +467,8 @@ std::string EditScript::move_into() {
   const auto [lo, hi] = bounds(*item);
   const Vec3 a = scene_.vertices()[o.first_vertex + random_.below(o.vertex_count)],
              b = scene_.vertices()[o.first_vertex + random_.below(o.vertex_count)];
-  return shift(*item, 0.5 * (a + b) - 0.5 * (lo + hi), ("into " + other->settings.name + ": ").c_str());
+  return shift(*item, 0.5 * (a + b) - 0.5 * (lo + hi),
+               ("into " + other->settings.name + ": ").c_str());
 }
 
 // Out of every range, and out of the region that a light's numbers were made for.
@@ -430,7 +477,8 @@ std::string EditScript::leave() {
   if (!item) return {};
   const double far = std::ceil(radius_) * (random_.below(3) == 0 ? 64 : 16);
   const auto axis = random_.below(6);
-  return shift(*item, (axis < 3 ? far : -far) * Vec3::Unit(static_cast<int>(axis % 3)), "far away: ");
+  return shift(*item, (axis < 3 ? far : -far) * Vec3::Unit(static_cast<int>(axis % 3)),
+               "far away: ");
 }
 
 std::string EditScript::go_home() {
@@ -468,7 +516,8 @@ std::string EditScript::scale() {
   if (random_.below(6) == 0) factor = {-1, 1, 1};
   const auto [lo, hi] = bounds(*item);
   const Pose pose = about(on_grid(Vec3(0.5 * (lo + hi))), factor.asDiagonal(), item->settings.pose);
-  const double ratio = std::abs(pose.linear().determinant() / item->pose_at_first.linear().determinant());
+  const double ratio =
+      std::abs(pose.linear().determinant() / item->pose_at_first.linear().determinant());
   if (ratio > 65 || ratio < 1 / 65.0) return {};
   return set_pose(*item, pose, "scale: ");
 }
@@ -518,7 +567,8 @@ std::string EditScript::add_copy() {
 std::string EditScript::toggle_casts() {
   Item* item = any_present();
   if (!item) return {};
-  item->settings.casts = random_.below(4) == 0 ? item->settings.casts : !item->settings.casts;  // also to what it is
+  // also to what it is
+  item->settings.casts = random_.below(4) == 0 ? item->settings.casts : !item->settings.casts;
   require(scene_.set_casts(item->id, item->settings.casts) == shadowcut::Edit::done, "set_casts");
   return item->settings.name + (item->settings.casts ? " casts" : " does not cast");
 }
@@ -527,22 +577,26 @@ std::string EditScript::toggle_receives() {
   Item* item = any_present();
   if (!item) return {};
   item->settings.receives = !item->settings.receives;
-  require(scene_.set_receives(item->id, item->settings.receives) == shadowcut::Edit::done, "set_receives");
+  require(scene_.set_receives(item->id, item->settings.receives) == shadowcut::Edit::done,
+          "set_receives");
   return item->settings.name + (item->settings.receives ? " receives" : " does not receive");
 }
 
-// A face that is flat only within Scene::flatness_tolerance touches whatever comes as near to it as that, so its areas are not defined to
-// kAreaTolerance.
+// A face that is flat only within Scene::flatness_tolerance touches whatever comes as near to it as
+// that, so its areas are not defined to kAreaTolerance.
 bool EditScript::flat_by_tolerance(const Item& item) const {
   const Object& o = *scene_.find(item.id);
   const auto facets = scene_.facets().subspan(o.first_facet, o.facet_count);
-  return std::any_of(facets.begin(), facets.end(), [this](const Facet& f) { return scene_.planes()[f.plane].flatness > 1e-9 * radius_; });
+  return std::any_of(facets.begin(), facets.end(), [this](const Facet& f) {
+    return scene_.planes()[f.plane].flatness > 1e-9 * radius_;
+  });
 }
 
 std::string EditScript::set_vertices(Item& item, std::vector<Vec3> local, const char* how) {
   require(scene_.set_vertices(item.id, local) == shadowcut::Edit::done, "set_vertices");
   if (flat_by_tolerance(item)) {
-    require(scene_.set_vertices(item.id, item.mesh.vertices) == shadowcut::Edit::done, "set_vertices");
+    require(scene_.set_vertices(item.id, item.mesh.vertices) == shadowcut::Edit::done,
+            "set_vertices");
     return {};
   }
   item.mesh.vertices = std::move(local);
@@ -568,20 +622,25 @@ std::string EditScript::undeform() {
   return set_vertices(*item, item->vertices_at_first, "restore ");
 }
 
-LightId EditScript::any_light() { return lights_.empty() ? LightId{} : lights_[random_.below(lights_.size())]; }
+LightId EditScript::any_light() {
+  return lights_.empty() ? LightId{} : lights_[random_.below(lights_.size())];
+}
 
 Light EditScript::some_light() {
   Light light = Light::point(some_place() + Vec3(0, 0, on_grid(0.5 * radius_)));
   if (random_.below(4) == 0) {
     light = Light::directional(random_.in_ball(1) - Vec3(0, 0, 1.25));
-    if (random_.below(2) == 0) light.at = {static_cast<double>(random_.below(3)) - 1, static_cast<double>(random_.below(3)) - 1, -1};
+    if (random_.below(2) == 0)
+      light.at = {static_cast<double>(random_.below(3)) - 1,
+                  static_cast<double>(random_.below(3)) - 1, -1};
   }
   return light;
 }
 
 std::string EditScript::set_light(LightId id, const Light& light, const char* how) {
   require(scene_.set_light(id, light) == shadowcut::Edit::done, "set_light");
-  return text(how, "light ", id.index, " to ", place(light.at), ", range ", light.range, light.spot ? ", a spot" : "");
+  return text(how, "light ", id.index, " to ", place(light.at), ", range ", light.range,
+              light.spot ? ", a spot" : "");
 }
 
 std::string EditScript::small_light_move() {
@@ -604,7 +663,9 @@ std::string EditScript::light_into_scene() {
   if (id.index == none || !item) return {};
   const Object& o = *scene_.find(item->id);
   if (o.vertex_count == 0) return {};
-  const auto corner = [&] { return scene_.vertices()[o.first_vertex + random_.below(o.vertex_count)]; };
+  const auto corner = [&] {
+    return scene_.vertices()[o.first_vertex + random_.below(o.vertex_count)];
+  };
   const Vec3 a = corner(), b = corner();
   switch (random_.below(3)) {
     case 0:
@@ -620,9 +681,11 @@ std::string EditScript::light_reach() {
   const LightId id = any_light();
   if (id.index == none || scene_.find(id)->kind != Light::Kind::point) return {};
   Light light = *scene_.find(id);
-  light.range = random_.below(3) == 0 ? std::numeric_limits<double>::infinity() : random_.in(0.25, 2) * radius_;
+  light.range = random_.below(3) == 0 ? std::numeric_limits<double>::infinity()
+                                      : random_.in(0.25, 2) * radius_;
   light.spot.reset();
-  if (random_.below(3) == 0) light.spot = Light::Spot{random_.in_ball(1) - Vec3(0, 0, 1.25), random_.in(0.125, 3)};
+  if (random_.below(3) == 0)
+    light.spot = Light::Spot{random_.in_ball(1) - Vec3(0, 0, 1.25), random_.in(0.125, 3)};
   return set_light(id, light, "reach: ");
 }
 

@@ -1,4 +1,5 @@
-// Random edits on scenes of every kind, one after another. A setting and a seed give the same history everywhere.
+// Random edits on scenes of every kind, one after another. A setting and a seed give the same
+// history everywhere.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +13,24 @@
 
 namespace shadowcut::testing {
 
-// A kind of scene to be edited, and the spacing of the grid on which its objects touch, line up and share planes.
+// A kind of scene to be edited, and the spacing of the grid on which its objects touch, line up and
+// share planes.
 struct Setting {
   const char* name;
   scenes::SceneData (*scene)(std::uint64_t seed);
   double grid;
 };
-// All kinds of random_scenes.hpp, and: rooms, cities, spheres, triangles, stacks of coplanar sheets and boxes, things resting on each
-// other.
+// All kinds of random_scenes.hpp, and: rooms, cities, spheres, triangles, stacks of coplanar sheets
+// and boxes, things resting on each other.
 std::span<const Setting> all_settings();
 const Setting& setting_named(const std::string& name);
 void PrintTo(const Setting& setting, std::ostream* out);  // for GoogleTest
 
 // Edits a scene of its own. Every function that edits says what it did, for a failure's message.
 //
-// A light stands in a face's plane exactly, where the coordinates allow that, or clear of it by a share of 1e-5 of the scene: between the
-// two, what is lit depends on the last bits of corners, and no two ways to compute it need agree.
+// A light stands in a face's plane exactly, where the coordinates allow that, or clear of it by a
+// share of 1e-5 of the scene: between the two, what is lit depends on the last bits of corners, and
+// no two ways to compute it need agree.
 class EditScript {
  public:
   EditScript(const Setting& setting, std::uint64_t seed);
@@ -44,8 +47,11 @@ class EditScript {
   std::string swing(std::size_t item);
 
   std::size_t size() const { return items_.size(); }  // objects, removed ones included
-  bool deformed() const;  // whether a mesh is not what it was at first: closed ones may cut through themselves, and bound no solid
-  double reach() const;   // how far objects are from the middle, as a multiple of the scene's radius at first
+  // whether a mesh is not what it was at first: closed ones may cut through themselves, and bound
+  // no solid
+  bool deformed() const;
+  // how far objects are from the middle, as a multiple of the scene's radius at first
+  double reach() const;
   // An object with all it takes to add it again.
   struct Item {
     Mesh mesh;                // with its vertices as they are

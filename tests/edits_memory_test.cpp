@@ -1,5 +1,6 @@
-// When memory runs out: operator new fails at the n-th allocation from now, for every n in turn. An edit then leaves the scene as it was,
-// and an engine either is right or says that it must be built anew.
+// When memory runs out: operator new fails at the n-th allocation from now, for every n in turn. An
+// edit then leaves the scene as it was, and an engine either is right or says that it must be built
+// anew.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -63,7 +64,10 @@ struct Case {
   std::uint32_t facets_per_cell, join_threshold;
   bool edits = true;
 };
-constexpr Case kCases[] = {{Form::merged, 128, 16}, {Form::pieces, 4, 0}, {Form::conforming, 0, 1000000}, {Form::merged, 128, 16, false}};
+constexpr Case kCases[] = {{Form::merged, 128, 16},
+                           {Form::pieces, 4, 0},
+                           {Form::conforming, 0, 1000000},
+                           {Form::merged, 128, 16, false}};
 
 Options options_of(const Case& c) {
   Options o;
@@ -75,7 +79,8 @@ Options options_of(const Case& c) {
   return o;
 }
 
-// What happens to a scene between the update that built the engine and the one that runs out of memory.
+// What happens to a scene between the update that built the engine and the one that runs out of
+// memory.
 struct Play {
   const char* name;
   std::function<void(EditScript&)> edits;
@@ -84,15 +89,20 @@ std::vector<Play> plays() {
   std::vector<Play> all;
   all.push_back({"an object moves", [](EditScript& s) { s.move(s.size() / 2); }});
   all.push_back({"an object is removed", [](EditScript& s) { s.remove(1); }});
-  all.push_back({"an object comes", [](EditScript& s) { s.scene().add(scenes::box({-0.5, -0.5, 2}, {0.5, 0.5, 2.25}), {}); }});
+  all.push_back({"an object comes", [](EditScript& s) {
+                   s.scene().add(scenes::box({-0.5, -0.5, 2}, {0.5, 0.5, 2.25}), {});
+                 }});
   all.push_back({"an object is removed, and another comes in its room", [](EditScript& s) {
                    s.remove(s.size() - 1);
                    s.scene().add(s.item(s.size() - 1).mesh, {});
                  }});
   all.push_back({"a light moves", [](EditScript& s) {
-                   static_cast<void>(s.scene().set_light(s.scene().light_id(0), Light::point({0.5, 0.25, 4})));
+                   static_cast<void>(
+                       s.scene().set_light(s.scene().light_id(0), Light::point({0.5, 0.25, 4})));
                  }});
-  all.push_back({"a light comes", [](EditScript& s) { s.scene().add(Light::directional({0.25, 0.5, -1})); }});
+  all.push_back({"a light comes", [](EditScript& s) {
+                   s.scene().add(Light::directional({0.25, 0.5, -1}));
+                 }});
   all.push_back({"a light goes, objects move", [](EditScript& s) {
                    s.scene().add(Light::point({1, 1, 5}));
                    static_cast<void>(s.scene().remove(s.scene().light_id(0)));
@@ -102,8 +112,10 @@ std::vector<Play> plays() {
   return all;
 }
 
-// Whatever allocation of an update fails: bad_alloc comes out, nothing is answered until compact(), and then everything is right.
-void expect_safe(EditScript& script, Engine& engine, const std::function<void()>& step, std::int64_t n, Outcome& outcome) {
+// Whatever allocation of an update fails: bad_alloc comes out, nothing is answered until compact(),
+// and then everything is right.
+void expect_safe(EditScript& script, Engine& engine, const std::function<void()>& step,
+                 std::int64_t n, Outcome& outcome) {
   outcome = with_failure_at(n, step);
   if (outcome == Outcome::out_of_memory) {
     expect_answers_nothing(engine);
@@ -124,7 +136,8 @@ TEST_P(OutOfMemory, DuringAnUpdate) {
   for (const Case& c : kCases) {
     Outcome outcome = Outcome::out_of_memory;
     for (std::int64_t n = 0; outcome != Outcome::done; n = next(n)) {
-      SCOPED_TRACE(std::string(play.name) + ", case " + std::to_string(&c - kCases) + ", allocation " + std::to_string(n));
+      SCOPED_TRACE(std::string(play.name) + ", case " + std::to_string(&c - kCases) +
+                   ", allocation " + std::to_string(n));
       EditScript script(setting_named("resting"), 2);
       Engine engine(script.scene(), options_of(c));
       engine.update();
@@ -214,18 +227,22 @@ TEST(OutOfMemory, DuringAnEdit) {
       {"add", [&](Scene& s, ObjectId) { s.add(box, settings); }},
       {"remove", [&](Scene& s, ObjectId id) { static_cast<void>(s.remove(id)); }},
       {"set_pose, rigid", [&](Scene& s, ObjectId id) { static_cast<void>(s.set_pose(id, far)); }},
-      {"set_pose, not rigid", [&](Scene& s, ObjectId id) { static_cast<void>(s.set_pose(id, wide)); }},
-      {"set_vertices", [&](Scene& s, ObjectId id) { static_cast<void>(s.set_vertices(id, folded)); }},
+      {"set_pose, not rigid",
+       [&](Scene& s, ObjectId id) { static_cast<void>(s.set_pose(id, wide)); }},
+      {"set_vertices",
+       [&](Scene& s, ObjectId id) { static_cast<void>(s.set_vertices(id, folded)); }},
       {"set_casts", [&](Scene& s, ObjectId id) { static_cast<void>(s.set_casts(id, false)); }},
       {"add light", [&](Scene& s, ObjectId) { s.add(named); }},
       {"remove light", [&](Scene& s, ObjectId) { static_cast<void>(s.remove(s.light_id(0))); }},
-      {"set_light", [&](Scene& s, ObjectId) { static_cast<void>(s.set_light(s.light_id(0), named)); }},
+      {"set_light",
+       [&](Scene& s, ObjectId) { static_cast<void>(s.set_light(s.light_id(0), named)); }},
   };
   for (const bool holes : {false, true}) {
     for (const Edited& e : edits) {
       Outcome outcome = Outcome::out_of_memory;
       for (std::int64_t n = 0; outcome != Outcome::done; ++n) {
-        SCOPED_TRACE(std::string(e.name) + (holes ? ", with holes" : "") + ", allocation " + std::to_string(n));
+        SCOPED_TRACE(std::string(e.name) + (holes ? ", with holes" : "") + ", allocation " +
+                     std::to_string(n));
         Scene scene;
         scene.add(scenes::rectangle({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}), {});
         const ObjectId id = scene.add(box, settings);

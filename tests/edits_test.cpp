@@ -1,8 +1,9 @@
-// Edits. After every update an engine must be as if it had been made for the scene as it now is: regions, areas, facing; and what it hands
-// out must be exactly what changed.
+// Edits. After every update an engine must be as if it had been made for the scene as it now is:
+// regions, areas, facing; and what it hands out must be exactly what changed.
 //
-// SHADOWCUT_SOAK=n runs about n random updates instead of some ten thousand, SHADOWCUT_SEED=k other ones. A failure names setting, seed,
-// options and step; SHADOWCUT_HISTORY=seed runs that one history alone.
+// SHADOWCUT_SOAK=n runs about n random updates instead of some ten thousand, SHADOWCUT_SEED=k other
+// ones. A failure names setting, seed, options and step; SHADOWCUT_HISTORY=seed runs that one
+// history alone.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -61,8 +62,10 @@ bool may_stand_inside(const Scene& scene, const Light& light) {
   });
 }
 
-// One light's shadows against shadows cast for the scene as it stands. What either leaves undecided may differ.
-std::string check_against_new(const Scene& scene, const Light& light, const Shadows& shadows, const Undecided& undecided, Form form) {
+// One light's shadows against shadows cast for the scene as it stands. What either leaves undecided
+// may differ.
+std::string check_against_new(const Scene& scene, const Light& light, const Shadows& shadows,
+                              const Undecided& undecided, Form form) {
   Options once;
   once.threads = 1;
   once.edits = false;
@@ -71,21 +74,25 @@ std::string check_against_new(const Scene& scene, const Light& light, const Shad
   std::string what = check_same_areas(scene, fresh, shadows, kAreaTolerance, &open);
   if (!what.empty()) return what;
   for (std::size_t i = 0; i < fresh.areas.size(); ++i) {
-    if (std::abs(fresh.areas[i].area - shadows.areas[i].area) > kAreaTolerance * fresh.areas[i].area)
+    if (std::abs(fresh.areas[i].area - shadows.areas[i].area) >
+        kAreaTolerance * fresh.areas[i].area)
       return "the area of face " + std::to_string(i) + " differs\n";
   }
   what += check_fragments(scene, light, shadows, kAreaTolerance, form);
   return what.empty() ? check_same_regions(scene, light, fresh, shadows, &open) : what;
 }
 
-// Far sides of closed objects cast nothing that near sides do not, but for a light inside; where the near ones are out of reach; and where
-// the object cuts through itself. Only in the first case must they cast.
-std::string check_against_oracle(const Scene& scene, const Light& light, const Shadows& shadows, const Undecided& undecided,
-                                 std::uint64_t seed, bool solids) {
-  const bool inside = light.kind == Light::Kind::point && may_stand_inside(scene, light), only_facing = limited(light) || !solids;
+// Far sides of closed objects cast nothing that near sides do not, but for a light inside; where
+// the near ones are out of reach; and where the object cuts through itself. Only in the first case
+// must they cast.
+std::string check_against_oracle(const Scene& scene, const Light& light, const Shadows& shadows,
+                                 const Undecided& undecided, std::uint64_t seed, bool solids) {
+  const bool inside = light.kind == Light::Kind::point && may_stand_inside(scene, light),
+             only_facing = limited(light) || !solids;
   if (inside && only_facing) return {};
   const Oracle oracle(scene, light, only_facing);
-  return check_areas(scene, shadows, oracle, &undecided) + check_points(scene, shadows, oracle, seed, 20, true);
+  return check_areas(scene, shadows, oracle, &undecided) +
+         check_points(scene, shadows, oracle, seed, 20, true);
 }
 
 std::string check_combined(const Engine& engine) {
@@ -96,17 +103,21 @@ std::string check_combined(const Engine& engine) {
     for (std::size_t face = 0; face < lit.size(); ++face) {
       const FaceArea& alone = engine.shadows(k).areas[face];
       if (std::abs(lit[face] - alone.lit) > kAreaTolerance * alone.area)
-        return "combined: light " + std::to_string(k) + " reaches " + std::to_string(lit[face]) + " of face " + std::to_string(face) +
-               ", should be " + std::to_string(alone.lit) + "\n";
+        return "combined: light " + std::to_string(k) + " reaches " + std::to_string(lit[face]) +
+               " of face " + std::to_string(face) + ", should be " + std::to_string(alone.lit) +
+               "\n";
     }
   }
   return {};
 }
 
-// Every light of the engine against new shadows of engine.scene(), and everything that needs no other engine. solids: closed objects are.
-std::string check_lights(const Engine& engine, std::uint64_t step, bool solids, Form form = Form::merged) {
+// Every light of the engine against new shadows of engine.scene(), and everything that needs no
+// other engine. solids: closed objects are.
+std::string check_lights(const Engine& engine, std::uint64_t step, bool solids,
+                         Form form = Form::merged) {
   const Scene& scene = engine.scene();
-  if (engine.light_count() != scene.lights().size()) return "the engine has other lights than its scene\n";
+  if (engine.light_count() != scene.lights().size())
+    return "the engine has other lights than its scene\n";
   for (std::size_t k = 0; k < engine.light_count(); ++k) {
     if (scene.light_id(k).index == none) {
       try {
@@ -133,7 +144,8 @@ std::string check_lights(const Engine& engine, std::uint64_t step, bool solids, 
 class Follower {
  public:
   Follower(const Setting& setting, std::uint64_t seed, const Options& options)
-      : where_(std::string("setting ") + setting.name + ", seed " + std::to_string(seed) + ", " + testing::describe(options)),
+      : where_(std::string("setting ") + setting.name + ", seed " + std::to_string(seed) + ", " +
+               testing::describe(options)),
         options_(options),
         script(setting, seed),
         engine(script.scene(), options) {}
@@ -161,14 +173,17 @@ class Follower {
     if (what.empty()) what = mirror.apply(changes, engine);
     if (what.empty() && step_ % 4 == 0) what = mirror.check_find(engine, options_.edits ? 1 : 16);
     if (what.empty()) what = check_lights(engine, step_, !script.deformed(), options_.form);
-    // Where objects are far away, what was one corner may be two, a rounding of that distance apart.
-    if (what.empty() && options_.form == Form::conforming && step_ % 4 == 0 && script.reach() < 4) what = check_conforming_lights();
+    // Where objects are far away, what was one corner may be two, a rounding of that distance
+    // apart.
+    if (what.empty() && options_.form == Form::conforming && step_ % 4 == 0 && script.reach() < 4)
+      what = check_conforming_lights();
     return what;
   }
   std::string check_conforming_lights() const {
     std::string what;
     for (std::size_t k = 0; k < engine.light_count() && what.empty(); ++k) {
-      if (engine.scene().light_id(k).index != none) what = check_conforming(engine.scene(), engine.shadows(k));
+      if (engine.scene().light_id(k).index != none)
+        what = check_conforming(engine.scene(), engine.shadows(k));
     }
     return what;
   }
@@ -202,7 +217,8 @@ bool run_history(const Setting& setting, std::uint64_t seed, std::uint64_t updat
 }
 
 class EditsOf : public ::testing::TestWithParam<Setting> {};
-INSTANTIATE_TEST_SUITE_P(Settings, EditsOf, ::testing::ValuesIn(all_settings().begin(), all_settings().end()),
+INSTANTIATE_TEST_SUITE_P(Settings, EditsOf,
+                         ::testing::ValuesIn(all_settings().begin(), all_settings().end()),
                          [](const auto& info) { return std::string(info.param.name); });
 
 TEST_P(EditsOf, RandomHistories) {
@@ -210,7 +226,8 @@ TEST_P(EditsOf, RandomHistories) {
     run_history(GetParam(), *seed, 240);
     return;
   }
-  const std::uint64_t updates = environment("SHADOWCUT_SOAK").value_or(10500) / all_settings().size() + 1;
+  const std::uint64_t updates =
+      environment("SHADOWCUT_SOAK").value_or(10500) / all_settings().size() + 1;
   std::uint64_t done = 0;
   for (std::uint64_t seed = first_seed(); done < updates; ++seed) {
     const std::uint64_t length = seed % 8 == 7 ? 240 : 30 + 30 * (seed % 3);
@@ -254,7 +271,8 @@ TEST_P(EditsOf, SameHistorySameBits) {
         ASSERT_EQ(check_identical(*changes[0], *changes[other]), "");
         for (std::size_t k = 0; k < all[0]->engine.light_count(); ++k) {
           if (all[0]->engine.scene().light_id(k).index == none) continue;
-          ASSERT_EQ(check_identical(all[0]->engine.shadows(k), all[other]->engine.shadows(k)), "") << "light " << k;
+          ASSERT_EQ(check_identical(all[0]->engine.shadows(k), all[other]->engine.shadows(k)), "")
+              << "light " << k;
         }
       }
       for (std::size_t i = 0; i < 3; ++i) steps[i] = all[i]->script.step();
@@ -262,7 +280,8 @@ TEST_P(EditsOf, SameHistorySameBits) {
   }
 }
 
-// With no time at all each call still applies an object, and what it leaves is right for the scene it says it is of.
+// With no time at all each call still applies an object, and what it leaves is right for the scene
+// it says it is of.
 TEST_P(EditsOf, BudgetOfNothing) {
   for (std::uint64_t seed = 7000 + first_seed(); seed < 7004 + first_seed(); ++seed) {
     const Options options = some_options(seed);
@@ -273,7 +292,8 @@ TEST_P(EditsOf, BudgetOfNothing) {
       for (int k = 0; k < 6; ++k) edits += f.script.edit() + "; ";
       std::size_t calls = 0, most = f.script.size() + 6;
       for (bool complete = false; !complete; ++calls) {
-        SCOPED_TRACE(f.where() + ", round " + std::to_string(round) + ", call " + std::to_string(calls) + ": " + edits);
+        SCOPED_TRACE(f.where() + ", round " + std::to_string(round) + ", call " +
+                     std::to_string(calls) + ": " + edits);
         if (calls == 2 && round % 2 == 0) {  // more comes in between
           for (int k = 0; k < 3; ++k) edits += f.script.edit() + "; ";
           most += f.script.size();
@@ -295,7 +315,8 @@ TEST_P(EditsOf, BudgetOfNothing) {
       }
       ASSERT_EQ(check_same_scene(f.script.scene(), f.engine.scene()), "") << f.where() << edits;
       const Changes& nothing = f.engine.update(nanoseconds(0));
-      EXPECT_TRUE(nothing.complete && nothing.lights.empty() && nothing.applied == 0) << f.where() << edits;
+      EXPECT_TRUE(nothing.complete && nothing.lights.empty() && nothing.applied == 0)
+          << f.where() << edits;
     }
     f.script.step();
     EXPECT_TRUE(f.engine.update(std::chrono::hours(1)).complete) << f.where();
@@ -309,32 +330,37 @@ TEST_P(EditsOf, EditedObjectIsTheObjectAddedThere) {
     std::string edits;
     for (int step = 0; step < 40; ++step) {
       edits = script.step();
-      SCOPED_TRACE(std::string("setting ") + GetParam().name + ", seed " + std::to_string(seed) + ", step " + std::to_string(step) + ": " +
-                   edits);
+      SCOPED_TRACE(std::string("setting ") + GetParam().name + ", seed " + std::to_string(seed) +
+                   ", step " + std::to_string(step) + ": " + edits);
       const Scene& scene = script.scene();
       ASSERT_EQ(check_arrays(scene), "");
       Scene fresh;
-      std::vector<std::pair<const Object*, std::size_t>> pairs;  // an object, and its index in the fresh scene
+      // an object, and its index in the fresh scene
+      std::vector<std::pair<const Object*, std::size_t>> pairs;
       for (std::size_t k = 0; k < script.size(); ++k) {
         const auto& item = script.item(k);
         ASSERT_EQ(scene.find(item.id) != nullptr, item.present);
-        if (item.present) pairs.emplace_back(scene.find(item.id), fresh.add(item.mesh, item.settings).index);
+        if (item.present)
+          pairs.emplace_back(scene.find(item.id), fresh.add(item.mesh, item.settings).index);
       }
       ASSERT_EQ(scene.issues().size(), fresh.issues().size());
       for (const auto& [a, index] : pairs) {
         const Object& b = fresh.objects()[index];
         SCOPED_TRACE(a->name);
         ASSERT_EQ(a->name, b.name);
-        ASSERT_TRUE(a->sides == b.sides && a->casts == b.casts && a->receives == b.receives && a->moves == b.moves);
+        ASSERT_TRUE(a->sides == b.sides && a->casts == b.casts && a->receives == b.receives &&
+                    a->moves == b.moves);
         ASSERT_EQ(a->pose.matrix(), b.pose.matrix());
         ASSERT_EQ(a->vertex_count, b.vertex_count);
         ASSERT_EQ(a->edge_count, b.edge_count);
         ASSERT_EQ(a->facet_count, b.facet_count);
         ASSERT_EQ(a->face_count, b.face_count);
         const double size = 1 + std::abs(a->signed_volume);
-        ASSERT_NEAR(a->signed_volume, b.signed_volume, 1e-9 * size * (1 + a->pose.translation().norm()));
+        ASSERT_NEAR(a->signed_volume, b.signed_volume,
+                    1e-9 * size * (1 + a->pose.translation().norm()));
         for (std::uint32_t v = 0; v < a->vertex_count; ++v)
-          ASSERT_EQ(scene.vertices()[a->first_vertex + v], fresh.vertices()[b.first_vertex + v]) << "vertex " << v;
+          ASSERT_EQ(scene.vertices()[a->first_vertex + v], fresh.vertices()[b.first_vertex + v])
+              << "vertex " << v;
         for (std::uint32_t f = 0; f < a->face_count; ++f) {
           const Face &x = scene.faces()[a->first_face + f], &y = fresh.faces()[b.first_face + f];
           ASSERT_EQ(x.facet_count, y.facet_count) << "face " << f;
@@ -344,12 +370,15 @@ TEST_P(EditsOf, EditedObjectIsTheObjectAddedThere) {
       if (step % 4 != 0) continue;
       for (std::size_t k = 0; k < scene.lights().size(); ++k) {
         if (scene.light_id(k).index == none) continue;
-        const Shadows here = cast_shadows(scene, scene.lights()[k]), there = cast_shadows(fresh, scene.lights()[k]);
+        const Shadows here = cast_shadows(scene, scene.lights()[k]),
+                      there = cast_shadows(fresh, scene.lights()[k]);
         for (const auto& [a, index] : pairs) {
           for (std::uint32_t f = 0; f < a->face_count; ++f) {
-            const FaceArea &x = here.areas[a->first_face + f], &y = there.areas[fresh.objects()[index].first_face + f];
+            const FaceArea &x = here.areas[a->first_face + f],
+                           &y = there.areas[fresh.objects()[index].first_face + f];
             ASSERT_EQ(x.facing, y.facing) << a->name << ", face " << f << ", light " << k;
-            ASSERT_NEAR(x.lit, y.lit, kAreaTolerance * y.area) << a->name << ", face " << f << ", light " << k;
+            ASSERT_NEAR(x.lit, y.lit, kAreaTolerance * y.area)
+                << a->name << ", face " << f << ", light " << k;
           }
         }
       }
@@ -381,17 +410,20 @@ struct State {
 };
 
 bool same_bits(const std::vector<FaceArea>& a, const std::vector<FaceArea>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const FaceArea& x, const FaceArea& y) {
-    return x.facing == y.facing && x.area == y.area && x.lit == y.lit && x.shadowed == y.shadowed;
-  });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const FaceArea& x, const FaceArea& y) {
+                      return x.facing == y.facing && x.area == y.area && x.lit == y.lit &&
+                             x.shadowed == y.shadowed;
+                    });
 }
 
-// Runs `round`, which leaves the scene as it was, a thousand times. Two engines with the same history agree to the bit after every round,
-// areas are those of the first round, and after the first tenth nothing grows. (Fragments need not repeat: now and then a cell is built
-// again.)
+// Runs `round`, which leaves the scene as it was, a thousand times. Two engines with the same
+// history agree to the bit after every round, areas are those of the first round, and after the
+// first tenth nothing grows. (Fragments need not repeat: now and then a cell is built again.)
 // (Fewer times in the conforming form, which looks at all fragments in every update.)
 template <class Round>
-void expect_rounds_repeat(const Setting& setting, std::uint64_t seed, const Options& options, const Round& round) {
+void expect_rounds_repeat(const Setting& setting, std::uint64_t seed, const Options& options,
+                          const Round& round) {
   const int rounds = options.form == Form::conforming ? 200 : 1000;
   Follower f(setting, seed, options);
   SCOPED_TRACE(f.where());
@@ -405,19 +437,24 @@ void expect_rounds_repeat(const Setting& setting, std::uint64_t seed, const Opti
     round(f.script, [&f] { f.engine.update(); });
     round(again, [&twin] { twin.update(); });
     const State now(f.engine.shadows(0)), other(twin.shadows(0));
-    ASSERT_TRUE(same_bits(now.areas, other.areas)) << "areas are not those of the same history, round " << k + 1;
+    ASSERT_TRUE(same_bits(now.areas, other.areas))
+        << "areas are not those of the same history, round " << k + 1;
     ASSERT_EQ(now.sizes(), other.sizes()) << "round " << k + 1;
     for (std::size_t i = 0; i < now.areas.size(); ++i)
-      ASSERT_NEAR(now.areas[i].lit, first.areas[i].lit, kAreaTolerance * first.areas[i].area) << "face " << i << ", round " << k + 1;
+      ASSERT_NEAR(now.areas[i].lit, first.areas[i].lit, kAreaTolerance * first.areas[i].area)
+          << "face " << i << ", round " << k + 1;
     if (k < rounds / 10) {
       most.bytes = std::max(most.bytes, now.bytes);
       most.largest_piece = std::max(most.largest_piece, now.largest_piece);
       most.largest_place = std::max(most.largest_place, now.largest_place);
       continue;
     }
-    ASSERT_LE(static_cast<double>(now.bytes), 1.25 * static_cast<double>(most.bytes)) << "memory grows, round " << k + 1;
-    ASSERT_LE(now.largest_piece, std::uint64_t{2} * most.largest_piece) << "ids grow, round " << k + 1;
-    ASSERT_LE(now.largest_place, std::uint64_t{2} * most.largest_place) << "ids grow, round " << k + 1;
+    ASSERT_LE(static_cast<double>(now.bytes), 1.25 * static_cast<double>(most.bytes))
+        << "memory grows, round " << k + 1;
+    ASSERT_LE(now.largest_piece, std::uint64_t{2} * most.largest_piece)
+        << "ids grow, round " << k + 1;
+    ASSERT_LE(now.largest_place, std::uint64_t{2} * most.largest_place)
+        << "ids grow, round " << k + 1;
   }
   ASSERT_EQ(f.engine.validate(), "");
   ASSERT_EQ(check_lights(f.engine, 1, false, options.form), "");
@@ -436,35 +473,39 @@ std::vector<Options> options_for_rounds() {
 }
 
 class RoundsOf : public ::testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Settings, RoundsOf, ::testing::Values("resting", "furnished_box", "stacks", "turned_boxes", "city"),
+INSTANTIATE_TEST_SUITE_P(Settings, RoundsOf,
+                         ::testing::Values("resting", "furnished_box", "stacks", "turned_boxes",
+                                           "city"),
                          [](const auto& info) { return std::string(info.param); });
 
 TEST_P(RoundsOf, RemoveAndAddBackAThousandTimes) {
   std::uint64_t seed = 20;
   for (const Options& options : options_for_rounds()) {
-    expect_rounds_repeat(setting_named(GetParam()), seed++, options, [](EditScript& script, const auto& update) {
-      const std::size_t item = script.size() / 2;
-      const ObjectId old = script.item(item).id;
-      script.remove(item);
-      update();
-      script.add_back(item);
-      update();
-      ASSERT_EQ(script.item(item).id.index, old.index);
-      ASSERT_NE(script.item(item).id.generation, old.generation);
-    });
+    expect_rounds_repeat(setting_named(GetParam()), seed++, options,
+                         [](EditScript& script, const auto& update) {
+                           const std::size_t item = script.size() / 2;
+                           const ObjectId old = script.item(item).id;
+                           script.remove(item);
+                           update();
+                           script.add_back(item);
+                           update();
+                           ASSERT_EQ(script.item(item).id.index, old.index);
+                           ASSERT_NE(script.item(item).id.generation, old.generation);
+                         });
   }
 }
 
 TEST_P(RoundsOf, MoveToAndFroAThousandTimes) {
   std::uint64_t seed = 40;
   for (const Options& options : options_for_rounds()) {
-    expect_rounds_repeat(setting_named(GetParam()), seed++, options, [](EditScript& script, const auto& update) {
-      const std::size_t item = script.size() - 1;
-      script.swing(item);
-      update();
-      script.swing(item);
-      update();
-    });
+    expect_rounds_repeat(setting_named(GetParam()), seed++, options,
+                         [](EditScript& script, const auto& update) {
+                           const std::size_t item = script.size() - 1;
+                           script.swing(item);
+                           update();
+                           script.swing(item);
+                           update();
+                         });
   }
 }
 
@@ -484,11 +525,13 @@ TEST_P(RoundsOf, RemovalOfEachObjectAndItsReturn) {
     }
     for (std::size_t k = 0; k < objects; ++k) {  // to nothing, and back
       f.script.remove(k);
-      ASSERT_EQ(f.update("remove, one after another, " + f.script.item(k).settings.name), "") << f.where();
+      ASSERT_EQ(f.update("remove, one after another, " + f.script.item(k).settings.name), "")
+          << f.where();
     }
     for (std::size_t k = objects; k-- > 0;) {
       f.script.add_back(k);
-      ASSERT_EQ(f.update("add, one after another, " + f.script.item(k).settings.name), "") << f.where();
+      ASSERT_EQ(f.update("add, one after another, " + f.script.item(k).settings.name), "")
+          << f.where();
     }
   }
 }
@@ -503,7 +546,8 @@ std::uint64_t nodes_of_new(const Scene& scene, const Options& options) {
 }
 
 class LongRunsOf : public ::testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Settings, LongRunsOf, ::testing::Values("city", "rooms", "spheres", "triangles"),
+INSTANTIATE_TEST_SUITE_P(Settings, LongRunsOf,
+                         ::testing::Values("city", "rooms", "spheres", "triangles"),
                          [](const auto& info) { return std::string(info.param); });
 
 constexpr int kLongRun = 3000;
@@ -519,21 +563,26 @@ TEST_P(LongRunsOf, SomeObjectsMove) {
     engine.update();
     Random random(11);
     for (int k = 1; k <= kLongRun; ++k) {
-      const std::string edit = script.move(1 + 4 * random.below((script.size() + 2) / 4) % (script.size() - 1));
+      const std::string edit =
+          script.move(1 + 4 * random.below((script.size() + 2) / 4) % (script.size() - 1));
       engine.update();
       if (k % 300 != 0) continue;
-      SCOPED_TRACE(std::string(GetParam()) + ", " + describe(options) + ", move " + std::to_string(k) + ", " + edit);
+      SCOPED_TRACE(std::string(GetParam()) + ", " + describe(options) + ", move " +
+                   std::to_string(k) + ", " + edit);
       ASSERT_EQ(engine.validate(), "");
       ASSERT_EQ(check_lights(engine, 1, true), "");
       const std::uint64_t nodes = nodes_of_new(script.scene(), options);
-      EXPECT_LE(static_cast<double>(engine.shadows(0).stats.nodes), kRot * static_cast<double>(nodes)) << "nodes of a new tree: " << nodes;
+      EXPECT_LE(static_cast<double>(engine.shadows(0).stats.nodes),
+                kRot * static_cast<double>(nodes))
+          << "nodes of a new tree: " << nodes;
     }
   }
 }
 
-// Everything moves, the ground too. The new tree to compare with takes the objects in the order that the options name, as the engine does
-// whenever it builds a cell again. These scenes are so small that one move may halve the tree that they need, which the engine learns of at
-// the next edits only: so sizes are compared over the run.
+// Everything moves, the ground too. The new tree to compare with takes the objects in the order
+// that the options name, as the engine does whenever it builds a cell again. These scenes are so
+// small that one move may halve the tree that they need, which the engine learns of at the next
+// edits only: so sizes are compared over the run.
 TEST_P(LongRunsOf, AllObjectsMove) {
   Options options;
   options.threads = 1;
@@ -549,7 +598,8 @@ TEST_P(LongRunsOf, AllObjectsMove) {
     const std::string edit = script.move(item);
     engine.update();
     if (k % 300 != 0) continue;
-    SCOPED_TRACE(std::string(GetParam()) + ", " + describe(options) + ", move " + std::to_string(k) + ", " + edit);
+    SCOPED_TRACE(std::string(GetParam()) + ", " + describe(options) + ", move " +
+                 std::to_string(k) + ", " + edit);
     ASSERT_EQ(engine.validate(), "");
     ASSERT_EQ(check_lights(engine, 1, true), "");
     const std::uint64_t nodes = nodes_of_new(script.scene(), options);
@@ -600,8 +650,10 @@ TEST(Changes, OfOneBuildingAreFew) {
       const Stats& stats = engine.shadows(0).stats;
       EXPECT_FALSE(c.rebuilt) << "facets_per_cell " << size << ", move " << k;
       // The house, its neighbours and its piece of ground, out of 144.
-      EXPECT_LT(c.added.size() * 8, stats.lit_fragments + stats.shadowed_fragments) << "facets_per_cell " << size << ", move " << k;
-      EXPECT_LT(c.gone.size() * 8, stats.lit_fragments + stats.shadowed_fragments) << "facets_per_cell " << size << ", move " << k;
+      EXPECT_LT(c.added.size() * 8, stats.lit_fragments + stats.shadowed_fragments)
+          << "facets_per_cell " << size << ", move " << k;
+      EXPECT_LT(c.gone.size() * 8, stats.lit_fragments + stats.shadowed_fragments)
+          << "facets_per_cell " << size << ", move " << k;
       EXPECT_LT(c.areas.size(), 60u) << "facets_per_cell " << size << ", move " << k;
     }
   }
@@ -684,8 +736,11 @@ TEST(Changes, WhatCameAndWentInBetween) {
   EXPECT_EQ(check_lights(engine, 1, true), "");
 }
 
-// In this history a corner that is cut goes from 0 to -0, in the conforming form: equal, and other bits.
-TEST(Changes, MinusZeroIsAnotherNumber) { EXPECT_TRUE(run_history(setting_named("grid_soup"), 310000000351, 130)); }
+// In this history a corner that is cut goes from 0 to -0, in the conforming form: equal, and other
+// bits.
+TEST(Changes, MinusZeroIsAnotherNumber) {
+  EXPECT_TRUE(run_history(setting_named("grid_soup"), 310000000351, 130));
+}
 
 // Several engines follow one scene, each at its own pace.
 TEST(Changes, EnginesAtTheirOwnPace) {
@@ -704,7 +759,8 @@ TEST(Changes, EnginesAtTheirOwnPace) {
     for (int step = 0; step <= 42; ++step) {
       for (Pace& p : paces) {
         if (step % p.every != 0) continue;
-        SCOPED_TRACE("seed " + std::to_string(seed) + ", step " + std::to_string(step) + ", every " + std::to_string(p.every));
+        SCOPED_TRACE("seed " + std::to_string(seed) + ", step " + std::to_string(step) +
+                     ", every " + std::to_string(p.every));
         const Changes& changes = p.engine->update();
         ASSERT_EQ(p.engine->validate(), "");
         ASSERT_EQ(check_same_scene(script.scene(), p.engine->scene()), "");
@@ -760,7 +816,8 @@ void in_every_form(const Play& play) {
   }
 }
 
-// Edits large enough to be spread over threads: two buildings of five of a city at once. (Of more, all would be built anew.)
+// Edits large enough to be spread over threads: two buildings of five of a city at once. (Of more,
+// all would be built anew.)
 TEST(Moves, ManyAtOnceSameBitsOnAnyNumberOfThreads) {
   for (const Kernel kernel : {Kernel::fast, Kernel::exact, Kernel::single}) {
     const SceneData data = scenes::city(12);
@@ -775,7 +832,8 @@ TEST(Moves, ManyAtOnceSameBitsOnAnyNumberOfThreads) {
       engines.back()->update();
     }
     for (int k = 1; k <= 6; ++k) {
-      SCOPED_TRACE("kernel " + std::to_string(static_cast<int>(kernel)) + ", move " + std::to_string(k));
+      SCOPED_TRACE("kernel " + std::to_string(static_cast<int>(kernel)) + ", move " +
+                   std::to_string(k));
       for (std::size_t i = 1; i < scene.objects().size(); ++i) {
         if (i % 5 > 1) continue;
         Pose pose = scene.objects()[i].pose;
@@ -797,10 +855,12 @@ TEST(Moves, ManyAtOnceSameBitsOnAnyNumberOfThreads) {
   }
 }
 
-// A desk's top, which comes last, cuts all of its cell. That is so again after the next step, however often the cell is built again.
+// A desk's top, which comes last, cuts all of its cell. That is so again after the next step,
+// however often the cell is built again.
 TEST(Moves, DraggedDeskSeldomHasItsCellBuiltAgain) {
   Scene scene = scenes::build(scenes::furnished_room());
-  const auto desk = std::find_if(scene.objects().begin(), scene.objects().end(), [](const Object& o) { return o.name == "desk.5"; });
+  const auto desk = std::find_if(scene.objects().begin(), scene.objects().end(),
+                                 [](const Object& o) { return o.name == "desk.5"; });
   ASSERT_NE(desk, scene.objects().end());
   const ObjectId id = scene.object_id(static_cast<std::size_t>(desk - scene.objects().begin()));
   const Pose home = desk->pose;
@@ -810,12 +870,15 @@ TEST(Moves, DraggedDeskSeldomHasItsCellBuiltAgain) {
   engine.update();
   for (int k = 1; k <= 600; ++k) {
     SCOPED_TRACE("move " + std::to_string(k));
-    ASSERT_EQ(scene.set_pose(id, Eigen::Translation3d(k % 2 ? 0.05 : 0, 0.03 * std::sin(0.1 * k), 0) * home), Edit::done);
+    ASSERT_EQ(scene.set_pose(
+                  id, Eigen::Translation3d(k % 2 ? 0.05 : 0, 0.03 * std::sin(0.1 * k), 0) * home),
+              Edit::done);
     engine.update();
     if (k % 100 != 0) continue;
     ASSERT_EQ(engine.validate(), "");
     ASSERT_EQ(check_lights(engine, 1, true), "");
-    EXPECT_LE(static_cast<double>(engine.shadows(0).stats.nodes), kRot * static_cast<double>(nodes_of_new(scene, options)));
+    EXPECT_LE(static_cast<double>(engine.shadows(0).stats.nodes),
+              kRot * static_cast<double>(nodes_of_new(scene, options)));
   }
   EXPECT_LE(engine.shadows(0).stats.cells_built_again, 20u);
 }
@@ -837,7 +900,9 @@ TEST(Moves, DesksTakingTurnsDoNotRot) {
   engine.update();
   Random random(3);
   Vec3 by = Vec3::Zero();
-  const auto step = [&](double at) { return std::clamp(at + 0.06 * random.unit() - 0.03, -0.5, 0.5); };
+  const auto step = [&](double at) {
+    return std::clamp(at + 0.06 * random.unit() - 0.03, -0.5, 0.5);
+  };
   for (int k = 1; k <= 3000; ++k) {
     SCOPED_TRACE("move " + std::to_string(k));
     const std::size_t d = random.below(3);
@@ -846,7 +911,8 @@ TEST(Moves, DesksTakingTurnsDoNotRot) {
     engine.update();
     if (k % 150 != 0) continue;
     ASSERT_EQ(engine.validate(), "");
-    EXPECT_LE(static_cast<double>(engine.shadows(0).stats.nodes), kRot * static_cast<double>(nodes_of_new(scene, options)));
+    EXPECT_LE(static_cast<double>(engine.shadows(0).stats.nodes),
+              kRot * static_cast<double>(nodes_of_new(scene, options)));
   }
   ASSERT_EQ(check_lights(engine, 1, true), "");
 }
@@ -901,7 +967,9 @@ TEST(Moves, PileIsTakenDownAndBuiltAgain) {
   in_every_form([](Theatre& t) {
     t.ground();
     std::vector<ObjectId> pile;
-    const auto box = [](int k) { return scenes::box({-0.5, -0.5, 0.5 * k}, {0.5, 0.5, 0.5 * (k + 1)}); };
+    const auto box = [](int k) {
+      return scenes::box({-0.5, -0.5, 0.5 * k}, {0.5, 0.5, 0.5 * (k + 1)});
+    };
     for (int k = 0; k < 4; ++k) pile.push_back(t.add(box(k)));
     t.scene.add(Light::point({1.5, 1, 4}));
     t.scene.add(Light::directional({1, 0, -1}));
@@ -917,7 +985,8 @@ TEST(Moves, PileIsTakenDownAndBuiltAgain) {
   });
 }
 
-// The face whose plane divides everything goes: what was behind it and what was in front of it become neighbours.
+// The face whose plane divides everything goes: what was behind it and what was in front of it
+// become neighbours.
 TEST(Moves, RootFaceIsRemoved) {
   in_every_form([](Theatre& t) {
     t.ground();
@@ -973,7 +1042,8 @@ TEST(Moves, LidOfAClosedBoxDeforms) {
     t.scene.add(Light::point({0.25, 0.5, 4}));
     t.expect_right();
     t.solids = false;
-    for (const double lift : {0.5, -1.0, 1.0, 0.0, -0.5, 0.0}) {  // not flat, refused, through the light's height, as it was
+    // not flat, refused, through the light's height, as it was
+    for (const double lift : {0.5, -1.0, 1.0, 0.0, -0.5, 0.0}) {
       std::vector<Vec3> vertices = box.vertices;
       vertices[7].z() += lift;
       vertices[4].x() += lift;
@@ -1039,8 +1109,11 @@ TEST(Ids, BadArgumentsChangeNothing) {
   EXPECT_THROW(static_cast<void>(scene.set_pose(house, singular)), Error);
   singular.translation().x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(static_cast<void>(scene.set_pose(house, singular)), Error);
-  EXPECT_THROW(static_cast<void>(scene.set_vertices(house, std::vector<Vec3>(7, Vec3::Zero()))), Error);
-  EXPECT_THROW(static_cast<void>(scene.set_light(scene.light_id(0), Light::directional(Vec3::Zero()))), Error);
+  EXPECT_THROW(static_cast<void>(scene.set_vertices(house, std::vector<Vec3>(7, Vec3::Zero()))),
+               Error);
+  EXPECT_THROW(
+      static_cast<void>(scene.set_light(scene.light_id(0), Light::directional(Vec3::Zero()))),
+      Error);
   EXPECT_THROW(scene.add(Light::directional(Vec3::Zero())), Error);
   const std::array lights{Light::point({1, 1, 1}), Light::directional(Vec3::Zero())};
   EXPECT_THROW(scene.replace_lights(lights), Error);
@@ -1090,10 +1163,12 @@ TEST(Ids, ReplacedLightsAreStale) {
 TEST(Ids, AThousandRoundsUseTheSameRoom) {
   Scene scene = scenes::build(scenes::city(3));
   const auto sizes = [&] {
-    return std::array{scene.objects().size(), scene.lights().size(),   scene.faces().size(), scene.facets().size(),
-                      scene.corners().size(), scene.vertices().size(), scene.edges().size(), scene.planes().size()};
+    return std::array{scene.objects().size(), scene.lights().size(),  scene.faces().size(),
+                      scene.facets().size(),  scene.corners().size(), scene.vertices().size(),
+                      scene.edges().size(),   scene.planes().size()};
   };
-  const Mesh box = scenes::box({0, 0, 3}, {1, 1, 4}), sheet = scenes::rectangle({0, 0, 2}, {1, 0, 0}, {0, 1, 0});
+  const Mesh box = scenes::box({0, 0, 3}, {1, 1, 4}),
+             sheet = scenes::rectangle({0, 0, 2}, {1, 0, 0}, {0, 1, 0});
   std::set<std::uint32_t> generations;
   const auto round = [&] {
     const ObjectId a = scene.add(box, {}), b = scene.add(sheet, {});

@@ -13,7 +13,9 @@ namespace {
 using Role = ExactOracle::Role;
 using State = ExactOracle::State;
 
-bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.data(), 3 * sizeof(double)) == 0; }
+bool same_bits(const Vec3& a, const Vec3& b) {
+  return std::memcmp(a.data(), b.data(), 3 * sizeof(double)) == 0;
+}
 
 std::string text(const Vec3& v) {
   char buffer[100];
@@ -34,7 +36,8 @@ class Check {
 
   std::string run() {
     for (const Block& block : shadows_.blocks) {
-      if (block.constructions.size() != block.corners.size()) return "there is not one construction for each corner\n";
+      if (block.constructions.size() != block.corners.size())
+        return "there is not one construction for each corner\n";
       for (const Fragment& f : block.fragments) check(block, f);
     }
     for (std::uint32_t facet = 0; facet < all_.size(); ++facet) compare(facet);
@@ -51,16 +54,20 @@ class Check {
 
   std::string name(const Fragment& f) const {
     std::ostringstream s;
-    s << (f.lit ? "lit" : "shadowed") << " fragment (" << f.id.cell << ", " << f.id.piece << ", " << f.id.place << ") of facet " << f.facet;
+    s << (f.lit ? "lit" : "shadowed") << " fragment (" << f.id.cell << ", " << f.id.piece << ", "
+      << f.id.place << ") of facet " << f.facet;
     return s.str();
   }
 
   void check(const Block& block, const Fragment& f) {
-    if (f.facet >= all_.size() || oracle_.role(f.facet) == Role::absent) return complain("a fragment of no facet: ", f.facet);
-    if (scene_.facets()[f.facet].face != f.face) return complain(name(f), " says it is of face ", f.face);
+    if (f.facet >= all_.size() || oracle_.role(f.facet) == Role::absent)
+      return complain("a fragment of no facet: ", f.facet);
+    if (scene_.facets()[f.facet].face != f.face)
+      return complain(name(f), " says it is of face ", f.face);
     if (f.corner_count < 3 || std::size_t{f.first_corner} + f.corner_count > block.corners.size())
       return complain(name(f), " has corners that are not there");
-    if (!scene_.objects()[scene_.faces()[f.face].object].receives) return complain(name(f), ", which does not receive");
+    if (!scene_.objects()[scene_.faces()[f.face].object].receives)
+      return complain(name(f), ", which does not receive");
     if (oracle_.role(f.facet) != Role::takes_part) {
       if (f.lit || f.caster != none) complain(name(f), ", which is turned away or edge-on");
       return;
@@ -68,18 +75,23 @@ class Check {
     std::vector<Triple> rays;
     for (std::uint32_t k = f.first_corner; k < f.first_corner + f.corner_count; ++k) {
       const std::optional<Triple> ray = ray_of(oracle_, f.facet, block.constructions[k]);
-      if (!ray) return complain(name(f), ": the construction of corner ", k - f.first_corner, " gives none");
+      if (!ray)
+        return complain(name(f), ": the construction of corner ", k - f.first_corner,
+                        " gives none");
       rays.push_back(*ray);
       check_corner(f, k - f.first_corner, block.constructions[k], *ray, block.corners[k]);
     }
     all_[f.facet].add(rays);
     if (f.lit) lit_[f.facet].add(rays);
-    if (!is_convex(rays)) return complain(name(f), " is not convex, not counter-clockwise, flat, or has a corner twice");
+    if (!is_convex(rays))
+      return complain(name(f),
+                      " is not convex, not counter-clockwise, flat, or has a corner twice");
     check_middle(f, rays);
   }
 
   // A corner that is a vertex of its facet is that vertex, however it was made.
-  void check_corner(const Fragment& f, std::uint32_t number, const Construction& made, const Triple& ray, const Vec3& corner) {
+  void check_corner(const Fragment& f, std::uint32_t number, const Construction& made,
+                    const Triple& ray, const Vec3& corner) {
     const Vec3* vertex = nullptr;
     const auto own = scene_.corners_of(scene_.facets()[f.facet]);
     const std::vector<Triple>& rays = rays_of_corners(f.facet);
@@ -88,24 +100,28 @@ class Check {
       vertex = &scene_.vertices()[own[i].vertex];
       if (same_bits(corner, *vertex)) return;
     }
-    if (vertex) return complain(name(f), ": corner ", number, " is a vertex, ", text(*vertex), ", handed out as ", text(corner));
+    if (vertex)
+      return complain(name(f), ": corner ", number, " is a vertex, ", text(*vertex),
+                      ", handed out as ", text(corner));
     const Place place = oracle_.place(f.facet, ray);
     for (int axis = 0; axis < 3; ++axis) {
       if (within_one_ulp(oracle_, place, axis, corner[axis])) continue;
-      return complain(name(f), ": corner ", number, " is ", text(oracle_.rounded(place)), ", handed out as ", text(corner));
+      return complain(name(f), ": corner ", number, " is ", text(oracle_.rounded(place)),
+                      ", handed out as ", text(corner));
     }
   }
 
   const std::vector<Triple>& rays_of_corners(std::uint32_t facet) {
     std::vector<Triple>& rays = own_rays_[facet];
     if (rays.empty()) {
-      for (const Corner& c : scene_.corners_of(scene_.facets()[facet])) rays.push_back(oracle_.ray(scene_.vertices()[c.vertex]));
+      for (const Corner& c : scene_.corners_of(scene_.facets()[facet]))
+        rays.push_back(oracle_.ray(scene_.vertices()[c.vertex]));
     }
     return rays;
   }
 
-  // Some point of the inside; another one where that is on the boundary of a shadow, be it only of the caster's: a fragment may have been
-  // joined across it.
+  // Some point of the inside; another one where that is on the boundary of a shadow, be it only of
+  // the caster's: a fragment may have been joined across it.
   void check_middle(const Fragment& f, const std::vector<Triple>& rays) {
     constexpr unsigned attempts = 4;
     for (unsigned attempt = 0; attempt < attempts; ++attempt) {
@@ -114,7 +130,8 @@ class Check {
       const State state = oracle_.state_at(f.facet, oracle_.place(f.facet, middle), &by);
       if (state == State::on_boundary) continue;
       if ((state == State::lit) != f.lit) {
-        complain(name(f), ": light ", f.lit ? "does not arrive" : "arrives", " at ", text(oracle_.rounded(oracle_.place(f.facet, middle))));
+        complain(name(f), ": light ", f.lit ? "does not arrive" : "arrives", " at ",
+                 text(oracle_.rounded(oracle_.place(f.facet, middle))));
       }
       if (state == State::shadowed && !f.lit && !casts(f, by)) {
         if (attempt + 1 < attempts) continue;
@@ -126,16 +143,21 @@ class Check {
 
   // Whether the fragment's caster is among those.
   bool casts(const Fragment& f, const std::vector<std::uint32_t>& by) const {
-    return f.caster < scene_.faces().size() && std::any_of(by.begin(), by.end(), [&](std::uint32_t facet) {
-      const std::uint32_t face = scene_.facets()[facet].face;
-      return form_ == Form::pieces ? face == f.caster : scene_.faces()[face].object == scene_.faces()[f.caster].object;
-    });
+    return f.caster < scene_.faces().size() &&
+           std::any_of(by.begin(), by.end(), [&](std::uint32_t facet) {
+             const std::uint32_t face = scene_.facets()[facet].face;
+             return form_ == Form::pieces
+                        ? face == f.caster
+                        : scene_.faces()[face].object == scene_.faces()[f.caster].object;
+           });
   }
 
   void compare(std::uint32_t facet) {
     all_[facet].settle();
     lit_[facet].settle();
-    if (oracle_.role(facet) != Role::takes_part || !scene_.objects()[scene_.faces()[scene_.facets()[facet].face].object].receives) return;
+    if (oracle_.role(facet) != Role::takes_part ||
+        !scene_.objects()[scene_.faces()[scene_.facets()[facet].face].object].receives)
+      return;
     compare(facet, all_[facet], oracle_.whole(facet), "all fragments");
     compare(facet, lit_[facet], oracle_.lit(facet), "lit fragments");
   }
@@ -144,8 +166,9 @@ class Check {
     if (is == should) return;
     const Rational is_area = oracle_.area(facet, is), should_area = oracle_.area(facet, should);
     const Rational share = (is_area - should_area) / oracle_.area(facet, oracle_.whole(facet));
-    complain(what, " of facet ", facet, " do not cover what they should; projected along axis ", oracle_.stretch(facet).first,
-             " their area is ", is_area.get_d(), ", should be ", should_area.get_d(), ": ", share.get_d(), " of the facet's more; ",
+    complain(what, " of facet ", facet, " do not cover what they should; projected along axis ",
+             oracle_.stretch(facet).first, " their area is ", is_area.get_d(), ", should be ",
+             should_area.get_d(), ": ", share.get_d(), " of the facet's more; ",
              difference(facet, is, should));
   }
 
@@ -158,7 +181,8 @@ class Check {
       const Region& other = region == &a ? b : a;
       for (const Region::Term& t : region->terms()) {
         if (!in(other, t))
-          return std::string(region == &a ? "theirs" : "it") + " has a corner at " + text(oracle_.rounded(oracle_.place(facet, t.point)));
+          return std::string(region == &a ? "theirs" : "it") + " has a corner at " +
+                 text(oracle_.rounded(oracle_.place(facet, t.point)));
       }
     }
     return {};
@@ -170,12 +194,14 @@ class Check {
       Facing facing = Facing::refused;
       if (face.facet_count != 0) {
         facing = scene_.objects()[face.object].receives ? Facing::away : Facing::ignored;
-        for (std::uint32_t f = face.first_facet; f < face.first_facet + face.facet_count && facing == Facing::away; ++f) {
+        for (std::uint32_t f = face.first_facet;
+             f < face.first_facet + face.facet_count && facing == Facing::away; ++f) {
           if (oracle_.role(f) == Role::takes_part) facing = Facing::toward;
         }
       }
       if (shadows_.areas[i].facing != facing)
-        complain("facing of face ", i, " is ", static_cast<int>(shadows_.areas[i].facing), ", should be ", static_cast<int>(facing));
+        complain("facing of face ", i, " is ", static_cast<int>(shadows_.areas[i].facing),
+                 ", should be ", static_cast<int>(facing));
     }
   }
 
@@ -191,7 +217,8 @@ class Check {
 
 }  // namespace
 
-std::optional<Triple> ray_of(const ExactOracle& oracle, std::uint32_t facet, const Construction& made) {
+std::optional<Triple> ray_of(const ExactOracle& oracle, std::uint32_t facet,
+                             const Construction& made) {
   if (made.vertex != none && made.vertex >= oracle.scene().vertices().size()) return {};
   try {
     Triple ray = made.vertex != none ? oracle.ray(oracle.scene().vertices()[made.vertex])
@@ -217,9 +244,12 @@ Triple middle_of(std::span<const Triple> rays, unsigned attempt) {
 bool within_one_ulp(const ExactOracle& oracle, const Place& x, int axis, double value) {
   if (!std::isfinite(value)) return false;
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  return oracle.compare(x, axis, std::nextafter(value, -infinity)) >= 0 && oracle.compare(x, axis, std::nextafter(value, infinity)) <= 0;
+  return oracle.compare(x, axis, std::nextafter(value, -infinity)) >= 0 &&
+         oracle.compare(x, axis, std::nextafter(value, infinity)) <= 0;
 }
 
-std::string check_exact(const ExactOracle& oracle, const Shadows& shadows, Form form) { return Check(oracle, shadows, form).run(); }
+std::string check_exact(const ExactOracle& oracle, const Shadows& shadows, Form form) {
+  return Check(oracle, shadows, form).run();
+}
 
 }  // namespace shadowcut::testing

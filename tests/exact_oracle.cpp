@@ -52,7 +52,8 @@ bool in_one_line(const std::vector<Triple>& rays, const Loop& loop) {
 
 // Whether two segments have a point in common.
 bool meet(const Triple& a, const Triple& b, const Triple& c, const Triple& d) {
-  const int c_side = turn(a, b, c), d_side = turn(a, b, d), a_side = turn(c, d, a), b_side = turn(c, d, b);
+  const int c_side = turn(a, b, c), d_side = turn(a, b, d), a_side = turn(c, d, a),
+            b_side = turn(c, d, b);
   if (c_side != 0 || d_side != 0 || a_side != 0 || b_side != 0) {
     if (c_side * d_side > 0 || a_side * b_side > 0) return false;
     return true;
@@ -71,7 +72,8 @@ bool is_simple(const std::vector<Triple>& rays, const Loop& loop) {
   const auto at = [&](std::size_t i) -> const Triple& { return rays[loop[i % n]]; };
   for (std::size_t i = 0; i < n; ++i) {
     const Triple line = cross(at(i), at(i + 1)), next = cross(at(i + 1), at(i + 2));
-    if (sign_of_dot(line, at(i + 2)) == 0 && sign_of_dot(line, next) <= 0) return false;  // it turns back
+    // it turns back
+    if (sign_of_dot(line, at(i + 2)) == 0 && sign_of_dot(line, next) <= 0) return false;
     for (std::size_t j = i + 2; j < n; ++j) {
       if ((j + 1) % n != i && meet(at(i), at(i + 1), at(j), at(j + 1))) return false;
     }
@@ -87,14 +89,17 @@ std::vector<Loop> triangles_of(const std::vector<Triple>& rays, Loop loop) {
     const std::size_t a = loop[(i + n - 1) % n], b = loop[i], c = loop[(i + 1) % n];
     if (turn(rays[a], rays[b], rays[c]) <= 0) return false;
     return std::none_of(loop.begin(), loop.end(), [&](std::size_t x) {
-      return x != a && x != b && x != c && turn(rays[a], rays[b], rays[x]) >= 0 && turn(rays[b], rays[c], rays[x]) >= 0 &&
-             turn(rays[c], rays[a], rays[x]) >= 0;
+      return x != a && x != b && x != c && turn(rays[a], rays[b], rays[x]) >= 0 &&
+             turn(rays[b], rays[c], rays[x]) >= 0 && turn(rays[c], rays[a], rays[x]) >= 0;
     });
   };
   while (loop.size() >= 3) {
     const std::size_t n = loop.size();
     std::size_t i = 0;
-    while (i < n && turn(rays[loop[(i + n - 1) % n]], rays[loop[i]], rays[loop[(i + 1) % n]]) != 0 && !is_ear(i)) ++i;
+    while (i < n &&
+           turn(rays[loop[(i + n - 1) % n]], rays[loop[i]], rays[loop[(i + 1) % n]]) != 0 &&
+           !is_ear(i))
+      ++i;
     if (i == n) return {};
     const Loop ear{loop[(i + n - 1) % n], loop[i], loop[(i + 1) % n]};
     if (turn(rays[ear[0]], rays[ear[1]], rays[ear[2]]) > 0) out.push_back(ear);
@@ -116,7 +121,10 @@ std::vector<Loop> convex_loops(const std::vector<Triple>& rays, Loop loop) {
 }  // namespace
 
 ExactOracle::ExactOracle(const Scene& scene, const Light& light)
-    : scene_(scene), point_light_(light.kind == Light::Kind::point), seen_(scene.facets().size()), answers_(scene.facets().size()) {
+    : scene_(scene),
+      point_light_(light.kind == Light::Kind::point),
+      seen_(scene.facets().size()),
+      answers_(scene.facets().size()) {
   if (point_light_) {
     lower_to(unit_ = std::numeric_limits<int>::max(), light.at);
     find_unit();
@@ -163,7 +171,8 @@ std::array<Int, 3> ExactOracle::direction(const Vec3& v) {
   std::array<Int, 3> out;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto [mantissa, exponent] = split(v[static_cast<Eigen::Index>(i)]);
-    out[i] = mantissa == 0 ? Int(0) : Int(Int(mantissa) << static_cast<mp_bitcnt_t>(exponent - unit));
+    out[i] =
+        mantissa == 0 ? Int(0) : Int(Int(mantissa) << static_cast<mp_bitcnt_t>(exponent - unit));
   }
   return reduced(std::move(out));
 }
@@ -175,9 +184,10 @@ ExactOracle::Quad ExactOracle::plane(const Vec3& normal, const Vec3& point) cons
   return out;
 }
 
-// Point light: r = x - light, nearness 1 / distance in units of r, so u = n and w = n . (point - light).
-// Directional: with x, y, z along the axes and d the travel, r = (x d_z - z d_x, y d_z - z d_y, 1). Put into n.x + D = 0 (times d_z):
-// n_x r_0 + n_y r_1 + D d_z r_2 + z (n.d) = 0; nearness is -z where light travels along +z.
+// Point light: r = x - light, nearness 1 / distance in units of r, so u = n and w = n . (point -
+// light). Directional: with x, y, z along the axes and d the travel, r = (x d_z - z d_x, y d_z - z
+// d_y, 1). Put into n.x + D = 0 (times d_z): n_x r_0 + n_y r_1 + D d_z r_2 + z (n.d) = 0; nearness
+// is -z where light travels along +z.
 void ExactOracle::nearness(const Quad& plane, Triple& u, Int& w) const {
   const auto axis = [this](std::size_t i) { return static_cast<std::size_t>(axes_[i]); };
   if (point_light_) {
@@ -195,7 +205,8 @@ Triple ExactOracle::ray(const Vec3& x) const {
   int unit = unit_;  // points of dividing planes may have finer digits than the scene's
   lower_to(unit, x);
   const auto finer = static_cast<mp_bitcnt_t>(unit_ - unit);
-  const std::array<Int, 3> p = {whole_number(x[0], unit), whole_number(x[1], unit), whole_number(x[2], unit)};
+  const std::array<Int, 3> p = {whole_number(x[0], unit), whole_number(x[1], unit),
+                                whole_number(x[2], unit)};
   if (point_light_) {
     Triple r;
     for (std::size_t i = 0; i < 3; ++i) r[i] = p[axis(i)] - Int(light_[axis(i)] << finer);
@@ -218,21 +229,25 @@ Triple ExactOracle::line(const LightLine& line) const {
     const Vec3& point = line.v[2 * k + 1];
     Quad plane;
     plane.n = direction(line.v[2 * k]);
-    plane.d = -dot(plane.n, {whole_number(point[0], unit), whole_number(point[1], unit), whole_number(point[2], unit)});
-    if (point_light_) plane.d += dot(plane.n, light_) * ((Int(1) << finer) - 1);  // nearness takes the light off once, in the scene's units
+    plane.d = -dot(plane.n, {whole_number(point[0], unit), whole_number(point[1], unit),
+                             whole_number(point[2], unit)});
+    // nearness takes the light off once, in the scene's units
+    if (point_light_) plane.d += dot(plane.n, light_) * ((Int(1) << finer) - 1);
     nearness(plane, u[k], w[k]);
     if (!point_light_) u[k][0] <<= finer, u[k][1] <<= finer;
   }
-  return as_line({u[0][0] * w[1] - u[1][0] * w[0], u[0][1] * w[1] - u[1][1] * w[0], u[0][2] * w[1] - u[1][2] * w[0]});
+  return as_line({u[0][0] * w[1] - u[1][0] * w[0], u[0][1] * w[1] - u[1][1] * w[0],
+                  u[0][2] * w[1] - u[1][2] * w[0]});
 }
 
 bool ExactOracle::meets(std::uint32_t facet, const Triple& ray) const {
   return point_light_ ? sign_of_dot(seen_[facet].u, ray) > 0 : sgn(ray[2]) > 0;
 }
 
-// The plane through the light, a and b. Seen from the light, its positive side is the left of a -> b if `a`, `b` run counter-clockwise
-// around the positive side; cone() turns it as needed.
-ExactOracle::Quad ExactOracle::wall(const std::array<Int, 3>& a, const std::array<Int, 3>& b) const {
+// The plane through the light, a and b. Seen from the light, its positive side is the left of a ->
+// b if `a`, `b` run counter-clockwise around the positive side; cone() turns it as needed.
+ExactOracle::Quad ExactOracle::wall(const std::array<Int, 3>& a,
+                                    const std::array<Int, 3>& b) const {
   Quad out;
   Triple to_a = light_, to_b;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -287,11 +302,13 @@ void ExactOracle::see(std::uint32_t index) {
   s.role = Role::takes_part;
   s.casts = object.casts;
   const std::vector<Loop> loops = convex_loops(rays, loop);
-  if (loops.empty()) undefined_ = "facet " + std::to_string(index) + " crosses itself as the light sees it";
+  if (loops.empty())
+    undefined_ = "facet " + std::to_string(index) + " crosses itself as the light sees it";
   for (const Loop& l : loops) {
     s.parts.push_back(part_of(rays_of(rays, l)));
     std::vector<std::array<Int, 3>> corners;
-    for (const std::size_t i : l) corners.push_back(position(scene_.vertices()[scene_.corners_of(facet)[i].vertex]));
+    for (const std::size_t i : l)
+      corners.push_back(position(scene_.vertices()[scene_.corners_of(facet)[i].vertex]));
     s.cones.push_back(cone(corners));
     s.whole.add(s.parts.back());
   }
@@ -300,20 +317,26 @@ void ExactOracle::see(std::uint32_t index) {
 
 void ExactOracle::check_boxes() {
   Vec3 at;
-  for (std::size_t i = 0; i < 3; ++i) at[static_cast<Eigen::Index>(i)] = std::ldexp(light_[i].get_d(), unit_);
+  for (std::size_t i = 0; i < 3; ++i)
+    at[static_cast<Eigen::Index>(i)] = std::ldexp(light_[i].get_d(), unit_);
   for (const Object& object : scene_.objects()) {
     if (!object.alive || object.sides != Sides::closed || object.facet_count == 0) continue;
     Eigen::AlignedBox3d box;
-    for (const Vec3& v : scene_.vertices().subspan(object.first_vertex, object.vertex_count)) box.extend(v);
-    const double margin = box_margin * std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
-    if (box.exteriorDistance(at) <= margin) undefined_ = "the light is in the box of a closed object";
+    for (const Vec3& v : scene_.vertices().subspan(object.first_vertex, object.vertex_count))
+      box.extend(v);
+    const double margin =
+        box_margin * std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+    if (box.exteriorDistance(at) <= margin)
+      undefined_ = "the light is in the box of a closed object";
   }
 }
 
-// The part of the caster's cones in which its plane is nearer than the receiver's: (u_C / w_C - u_F / w_F) . r > 0.
+// The part of the caster's cones in which its plane is nearer than the receiver's: (u_C / w_C - u_F
+// / w_F) . r > 0.
 std::vector<Part> ExactOracle::shadows_on(const Seen& receiver, const Seen& caster) const {
   Triple nearer;
-  for (std::size_t i = 0; i < 3; ++i) nearer[i] = caster.u[i] * receiver.w - receiver.u[i] * caster.w;
+  for (std::size_t i = 0; i < 3; ++i)
+    nearer[i] = caster.u[i] * receiver.w - receiver.u[i] * caster.w;
   if (is_zero(nearer)) return {};  // one plane
   nearer = reduced(std::move(nearer));
   std::vector<Part> out;
@@ -345,11 +368,12 @@ const Region& ExactOracle::lit(std::uint32_t facet) const {
   return answers_[facet].region;
 }
 
-// Twice the area is the sum over edges p -> q of p x q. On one line p x q = a x q - a x p for any a of the line: so the sum over a line is
-// that of count * (a x point).
+// Twice the area is the sum over edges p -> q of p x q. On one line p x q = a x q - a x p for any a
+// of the line: so the sum over a line is that of count * (a x point).
 Rational ExactOracle::area(std::uint32_t facet, const Region& region) const {
   const int axis = stretch(facet).first;
-  const auto i = static_cast<std::size_t>((axis + 1) % 3), j = static_cast<std::size_t>((axis + 2) % 3);
+  const auto i = static_cast<std::size_t>((axis + 1) % 3),
+             j = static_cast<std::size_t>((axis + 2) % 3);
   Rational twice;
   const auto terms = region.terms();
   for (std::size_t first = 0, t = 0; t < terms.size(); ++t) {
@@ -361,8 +385,12 @@ Rational ExactOracle::area(std::uint32_t facet, const Region& region) const {
     twice += term;
   }
   Rational unit_squared = 1;
-  if (unit_ >= 0) mpq_mul_2exp(unit_squared.get_mpq_t(), unit_squared.get_mpq_t(), static_cast<mp_bitcnt_t>(2 * unit_));
-  else mpq_div_2exp(unit_squared.get_mpq_t(), unit_squared.get_mpq_t(), static_cast<mp_bitcnt_t>(-2 * unit_));
+  if (unit_ >= 0)
+    mpq_mul_2exp(unit_squared.get_mpq_t(), unit_squared.get_mpq_t(),
+                 static_cast<mp_bitcnt_t>(2 * unit_));
+  else
+    mpq_div_2exp(unit_squared.get_mpq_t(), unit_squared.get_mpq_t(),
+                 static_cast<mp_bitcnt_t>(-2 * unit_));
   return abs(twice) / 2 * unit_squared;
 }
 
@@ -373,7 +401,8 @@ std::pair<int, double> ExactOracle::stretch(std::uint32_t facet) const {
   return {static_cast<int>(axis), n.stableNorm() / largest};
 }
 
-// Point light: light + r w / (u.r). Directional, with nearness q = (u.r) / (w r_2): z = -q or q, x = (r_0 / r_2 + z d_x) / d_z.
+// Point light: light + r w / (u.r). Directional, with nearness q = (u.r) / (w r_2): z = -q or q, x
+// = (r_0 / r_2 + z d_x) / d_z.
 Place ExactOracle::place(std::uint32_t facet, const Triple& r) const {
   const Seen& f = seen_[facet];
   const Int near = dot(f.u, r);
@@ -386,7 +415,8 @@ Place ExactOracle::place(std::uint32_t facet, const Triple& r) const {
     }
     return out;
   }
-  const auto x = static_cast<std::size_t>(axes_[0]), y = static_cast<std::size_t>(axes_[1]), z = static_cast<std::size_t>(axes_[2]);
+  const auto x = static_cast<std::size_t>(axes_[0]), y = static_cast<std::size_t>(axes_[1]),
+             z = static_cast<std::size_t>(axes_[2]);
   const Int deep = -travel_sign_ * near;
   out.n[x] = r[0] * f.w + deep * light_[x];
   out.n[y] = r[1] * f.w + deep * light_[y];
@@ -399,14 +429,16 @@ Place ExactOracle::place(std::uint32_t facet, const Triple& r) const {
   return out;
 }
 
-ExactOracle::State ExactOracle::state_at(std::uint32_t facet, const Place& x, std::vector<std::uint32_t>* by) const {
+ExactOracle::State ExactOracle::state_at(std::uint32_t facet, const Place& x,
+                                         std::vector<std::uint32_t>* by) const {
   const auto sign_at = [&](const Quad& q) { return sgn(Int(dot(q.n, x.n) + q.d * x.d)); };
   bool shadowed = false, doubtful = false;
   for (std::uint32_t c = 0; c < seen_.size(); ++c) {
     const Seen& caster = seen_[c];
     if (c == facet || !caster.casts) continue;
     const int between = -sign_at(caster.plane) * caster.at_light;
-    if (between < 0 || (between == 0 && is_zero(cross(caster.plane.n, seen_[facet].plane.n)))) continue;
+    if (between < 0 || (between == 0 && is_zero(cross(caster.plane.n, seen_[facet].plane.n))))
+      continue;
     bool inside = false, touched = false;
     for (const Cone& cone : caster.cones) {
       int least = between;  // where the two planes meet, the caster's shadow ends
@@ -427,7 +459,8 @@ int ExactOracle::compare(const Place& x, int axis, double value) const {
   if (mantissa == 0) return sgn(n);
   const Int other = mantissa * x.d;
   const int shift = exponent - unit_;
-  return shift >= 0 ? cmp(n, Int(other << static_cast<mp_bitcnt_t>(shift))) : cmp(Int(n << static_cast<mp_bitcnt_t>(-shift)), other);
+  return shift >= 0 ? cmp(n, Int(other << static_cast<mp_bitcnt_t>(shift)))
+                    : cmp(Int(n << static_cast<mp_bitcnt_t>(-shift)), other);
 }
 
 Vec3 ExactOracle::rounded(const Place& x) const {

@@ -1,24 +1,33 @@
-// The exact answer for one light: for every facet the region that the light sees and the part of it that is lit, in whole numbers
-// of any length, from the definition alone. Nothing of src/ is used, and no double is ever rounded.
+// The exact answer for one light: for every facet the region that the light sees and the part of it
+// that is lit, in whole numbers of any length, from the definition alone. Nothing of src/ is used,
+// and no double is ever rounded.
 //
-// The definition, on the doubles of Scene::vertices(), Plane::exact_normal, Plane::point and Light::at:
-//   1. A facet's plane is { x : exact_normal . (x - point) = 0 }. Its front faces a point light iff exact_normal . (light - point) > 0, a
+// The definition, on the doubles of Scene::vertices(), Plane::exact_normal, Plane::point and
+// Light::at:
+//   1. A facet's plane is { x : exact_normal . (x - point) = 0 }. Its front faces a point light iff
+//     exact_normal . (light - point) > 0, a
 //      directional one iff exact_normal . travel < 0.
-//   2. A facet is edge-on, and takes no part, if that number is 0; if some corner x of it has another sign of exact_normal . (x - light)
+//   2. A facet is edge-on, and takes no part, if that number is 0; if some corner x of it has
+//     another sign of exact_normal . (x - light)
 //   than
 //      point has, or zero (point lights); or if its corners, seen from the light, lie in one line.
-//   3. Of closed objects only facets whose front faces the light take part; of open ones both sides do.
-//   4. A facet's region is its plane cut by the cone of rays through the loop of its corners. A loop that is not convex as the light sees
+//   3. Of closed objects only facets whose front faces the light take part; of open ones both sides
+//     do.
+//   4. A facet's region is its plane cut by the cone of rays through the loop of its corners. A
+//     loop that is not convex as the light sees
 //   it
 //      is the simple polygon as it is.
-//   5. x on one facet is shadowed iff another facet takes part and casts whose cone has the ray to x in its inside, and whose plane meets
+//   5. x on one facet is shadowed iff another facet takes part and casts whose cone has the ray to
+//     x in its inside, and whose plane meets
 //   that
 //      ray strictly nearer to the light.
-// Outside of the definition (defined() is false) are a loop that crosses or touches itself as the light sees it, and a point light in the
-// box of a closed object, or as near to it as `box_margin` of the box's coordinates: engines may ask on which side of a solid a light is.
+// Outside of the definition (defined() is false) are a loop that crosses or touches itself as the
+// light sees it, and a point light in the box of a closed object, or as near to it as `box_margin`
+// of the box's coordinates: engines may ask on which side of a solid a light is.
 //
-// Two ways are gone independently. Regions come from light space: rays, lines and planes are triples, and convex parts are cut by signs
-// (exact_region.hpp). Single points (state_at) are decided in space, by the signs of planes at the point.
+// Two ways are gone independently. Regions come from light space: rays, lines and planes are
+// triples, and convex parts are cut by signs (exact_region.hpp). Single points (state_at) are
+// decided in space, by the signs of planes at the point.
 #pragma once
 
 #include <cstdint>
@@ -50,7 +59,8 @@ class ExactOracle {
   };
   enum class State : std::uint8_t { lit, shadowed, on_boundary };
 
-  // The scene must outlive the oracle, and not change. The light needs neither range nor spot: they are not looked at.
+  // The scene must outlive the oracle, and not change. The light needs neither range nor spot: they
+  // are not looked at.
   ExactOracle(const Scene& scene, const Light& light);
 
   bool defined() const { return undefined_.empty(); }
@@ -64,15 +74,18 @@ class ExactOracle {
   const std::vector<Part>& lit_parts(std::uint32_t facet) const;
   const std::vector<Part>& parts(std::uint32_t facet) const { return seen_[facet].parts; }
 
-  // The area of a region in the facet's plane, projected along the largest component of exact_normal.
+  // The area of a region in the facet's plane, projected along the largest component of
+  // exact_normal.
   Rational area(std::uint32_t facet, const Region& region) const;
   // That component's index, and what the projected area is to be multiplied by, rounded.
   std::pair<int, double> stretch(std::uint32_t facet) const;
 
   // Where the ray meets the facet's plane; the ray must be one that does.
   Place place(std::uint32_t facet, const Triple& ray) const;
-  // What reaches a place of the facet, which is on the inside of its cone. `by`: the facet's casters there.
-  State state_at(std::uint32_t facet, const Place& x, std::vector<std::uint32_t>* by = nullptr) const;
+  // What reaches a place of the facet, which is on the inside of its cone. `by`: the facet's
+  // casters there.
+  State state_at(std::uint32_t facet, const Place& x,
+                 std::vector<std::uint32_t>* by = nullptr) const;
 
   // Of any numbers: what edits have left behind may have finer digits than the scene.
   Triple ray(const Vec3& x) const;
@@ -122,11 +135,12 @@ class ExactOracle {
 
   const Scene& scene_;
   bool point_light_;
-  int unit_ = 0;               // lengths are multiples of 2^unit
-  std::array<Int, 3> light_;   // position in units, or direction
-  std::array<int, 3> axes_{};  // of light space; so that det > 0 is counter-clockwise seen from the light
-  int travel_sign_ = 0;        // directional: of the direction along the last axis
-  std::vector<Seen> seen_;     // by facet
+  int unit_ = 0;              // lengths are multiples of 2^unit
+  std::array<Int, 3> light_;  // position in units, or direction
+  // of light space; so that det > 0 is counter-clockwise seen from the light
+  std::array<int, 3> axes_{};
+  int travel_sign_ = 0;     // directional: of the direction along the last axis
+  std::vector<Seen> seen_;  // by facet
   mutable std::vector<Answer> answers_;
   std::string undefined_;
 };

@@ -1,6 +1,7 @@
-// The exact oracle and the checks that rest on it: whoever guards the exact kernel must be right first. The oracle against areas known by
-// hand, against the older oracle, and, point by point, against the definition tested in space; the checks against partitions made from the
-// oracle's own parts, which they must accept, and against the same with one thing wrong, which they must not.
+// The exact oracle and the checks that rest on it: whoever guards the exact kernel must be right
+// first. The oracle against areas known by hand, against the older oracle, and, point by point,
+// against the definition tested in space; the checks against partitions made from the oracle's own
+// parts, which they must accept, and against the same with one thing wrong, which they must not.
 //
 // SHADOWCUT_SOAK=n decides points in about n random scenes instead of a thousand.
 #include "exact_oracle.hpp"
@@ -33,8 +34,12 @@ std::uint32_t add(Scene& scene, const Mesh& mesh, Sides sides = Sides::open) {
   return scene.objects()[object].first_facet;
 }
 
-Rational lit_area(const ExactOracle& oracle, std::uint32_t facet) { return oracle.area(facet, oracle.lit(facet)); }
-Rational whole_area(const ExactOracle& oracle, std::uint32_t facet) { return oracle.area(facet, oracle.whole(facet)); }
+Rational lit_area(const ExactOracle& oracle, std::uint32_t facet) {
+  return oracle.area(facet, oracle.lit(facet));
+}
+Rational whole_area(const ExactOracle& oracle, std::uint32_t facet) {
+  return oracle.area(facet, oracle.whole(facet));
+}
 
 TEST(ExactOracle, SquareHalfwayUpShadowsFourTimesItsArea) {
   Scene scene;
@@ -51,8 +56,9 @@ TEST(ExactOracle, SunCastsABoxesOwnShape) {
   const auto ground = add(scene, rectangle({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}));
   const auto box = add(scene, scenes::box({-0.5, -0.5, 0}, {0.5, 0.5, 1}), Sides::closed);
   const ExactOracle oracle(scene, Light::directional({1, 0, -1}));
-  EXPECT_EQ(lit_area(oracle, ground), 64 - 2);  // the roof's shadow and, under the box, the sunny wall's: the bottom does not cast
-  EXPECT_EQ(oracle.role(box), Role::away);      // the bottom
+  // the roof's shadow and, under the box, the sunny wall's: the bottom does not cast
+  EXPECT_EQ(lit_area(oracle, ground), 64 - 2);
+  EXPECT_EQ(oracle.role(box), Role::away);  // the bottom
   EXPECT_EQ(oracle.role(box + 1), Role::takes_part);
   EXPECT_EQ(lit_area(oracle, box + 1), 1);
   EXPECT_EQ(oracle.role(box + 2), Role::edge_on);
@@ -74,15 +80,16 @@ TEST(ExactOracle, ContactIsNotOcclusion) {
   Scene scene;
   const auto wall = add(scene, rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
   const auto poster = add(scene, rectangle({1, 1, 0}, {1, 0, 0}, {0, 1, 0}));
-  const auto raised = add(scene, rectangle({2, 1, std::numeric_limits<double>::denorm_min()}, {1, 0, 0}, {0, 1, 0}));
+  const auto raised = add(
+      scene, rectangle({2, 1, std::numeric_limits<double>::denorm_min()}, {1, 0, 0}, {0, 1, 0}));
   const ExactOracle oracle(scene, Light::directional({0, 0, -1}));
   EXPECT_EQ(lit_area(oracle, wall), 15);  // one denormal number is no contact
   EXPECT_EQ(lit_area(oracle, poster), 1);
   EXPECT_EQ(lit_area(oracle, raised), 1);
 }
 
-// Light arrives along the line on which a sheet stands, however it is shadowed on both sides of it; so no place on the line tells of
-// either.
+// Light arrives along the line on which a sheet stands, however it is shadowed on both sides of it;
+// so no place on the line tells of either.
 TEST(ExactOracle, WhereACasterMeetsTheReceiverIsABoundary) {
   Scene scene;
   const auto wall = add(scene, rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
@@ -90,7 +97,9 @@ TEST(ExactOracle, WhereACasterMeetsTheReceiverIsABoundary) {
   add(scene, rectangle({1, 1, 0}, {0, 2, 0}, {-1, 0, 1}));
   add(scene, rectangle({2, 0, 0}, {1, 0, 0}, {0, 1, 0}));  // in its plane
   const ExactOracle oracle(scene, Light::directional({0, 0, -1}));
-  const auto state_at = [&](double x, double y) { return oracle.state_at(wall, oracle.place(wall, oracle.ray({x, y, 0}))); };
+  const auto state_at = [&](double x, double y) {
+    return oracle.state_at(wall, oracle.place(wall, oracle.ray({x, y, 0})));
+  };
   EXPECT_EQ(state_at(0.5, 1.5), State::shadowed);
   EXPECT_EQ(state_at(1, 1.5), State::on_boundary);
   EXPECT_EQ(state_at(1.5, 1.5), State::shadowed);
@@ -108,7 +117,8 @@ TEST(ExactOracle, LightInThePlaneSeesItEdgeOn) {
   EXPECT_FALSE(ExactOracle(scene, Light::directional({1, 1, 1e-300})).front(square));
 }
 
-// A quadrilateral that is flat within the scene's tolerance only. From nearly beside it, its lifted corner is seen anywhere.
+// A quadrilateral that is flat within the scene's tolerance only. From nearly beside it, its lifted
+// corner is seen anywhere.
 TEST(ExactOracle, LoopsAreAsTheLightSeesThem) {
   constexpr double lift = 1e-7;
   Mesh mesh;
@@ -119,17 +129,21 @@ TEST(ExactOracle, LoopsAreAsTheLightSeesThem) {
   const ExactOracle above(scene, Light::directional({0, 0, -1}));
   EXPECT_EQ(above.parts(quad).size(), 1u);
   EXPECT_EQ(whole_area(above, quad), 1);
-  const ExactOracle reflex(scene, Light::directional({1, 1, lift / 0.8}));  // the corner is seen at (0.2, 0.2)
+  // the corner is seen at (0.2, 0.2)
+  const ExactOracle reflex(scene, Light::directional({1, 1, lift / 0.8}));
   ASSERT_TRUE(reflex.defined());
   EXPECT_EQ(reflex.parts(quad).size(), 2u);
   EXPECT_NEAR(whole_area(reflex, quad).get_d(), 1, 1e-6);
-  EXPECT_FALSE(ExactOracle(scene, Light::directional({1, 0, lift / 1.5})).defined());  // at (-0.5, 1): two edges cross
+  // at (-0.5, 1): two edges cross
+  EXPECT_FALSE(ExactOracle(scene, Light::directional({1, 0, lift / 1.5})).defined());
 }
 
-// The two know nothing of each other; where planes do not nearly touch, which in these kinds they do not, they agree.
+// The two know nothing of each other; where planes do not nearly touch, which in these kinds they
+// do not, they agree.
 TEST(ExactOracle, AgreesWithTheOlderOracle) {
   int compared = 0;
-  for (const Kind kind : {Kind::soup, Kind::grid_soup, Kind::solids, Kind::grid_boxes, Kind::outlines}) {
+  for (const Kind kind :
+       {Kind::soup, Kind::grid_soup, Kind::solids, Kind::grid_boxes, Kind::outlines}) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
       const scenes::SceneData data = random_scene(kind, seed);
       SCOPED_TRACE(data.name);
@@ -162,13 +176,15 @@ int side_of(const Part& part, const Triple& ray) {  // least sign of its lines a
 }
 
 class OfExactKind : public ::testing::TestWithParam<ExactKind> {};
-INSTANTIATE_TEST_SUITE_P(Kinds, OfExactKind, ::testing::ValuesIn(kAllExactKinds), [](const auto& info) { return name_of(info.param); });
+INSTANTIATE_TEST_SUITE_P(Kinds, OfExactKind, ::testing::ValuesIn(kAllExactKinds),
+                         [](const auto& info) { return name_of(info.param); });
 
 // Regions come from light space, points are decided in space.
 TEST_P(OfExactKind, RandomPointsAgreeWithRegions) {
   std::uint64_t decided = 0, lit = 0, defined = 0;
   const char* soak = std::getenv("SHADOWCUT_SOAK");
-  const std::uint64_t scene_count = soak ? std::strtoull(soak, nullptr, 10) / std::size(kAllExactKinds) + 1 : 60;
+  const std::uint64_t scene_count =
+      soak ? std::strtoull(soak, nullptr, 10) / std::size(kAllExactKinds) + 1 : 60;
   for (std::uint64_t seed = 0; seed < scene_count; ++seed) {
     const ExactScene made = exact_scene(GetParam(), seed);
     const Scene scene = build(made);
@@ -188,7 +204,8 @@ TEST_P(OfExactKind, RandomPointsAgreeWithRegions) {
           int most = -1;
           for (const Part& p : oracle.lit_parts(f)) most = std::max(most, side_of(p, ray));
           if (state == State::on_boundary || most == 0 || side_of(part, ray) <= 0) continue;
-          ASSERT_EQ(state == State::lit, most > 0) << "seed " << seed << ", facet " << f << '\n' << describe(made);
+          ASSERT_EQ(state == State::lit, most > 0) << "seed " << seed << ", facet " << f << '\n'
+                                                   << describe(made);
           ++decided;
           lit += state == State::lit;
         }
@@ -202,9 +219,11 @@ TEST_P(OfExactKind, RandomPointsAgreeWithRegions) {
 }
 
 // By fans of triangles, a fraction each.
-Rational plain_area(const ExactOracle& oracle, std::uint32_t facet, const std::vector<Part>& parts) {
+Rational plain_area(const ExactOracle& oracle, std::uint32_t facet,
+                    const std::vector<Part>& parts) {
   const int axis = oracle.stretch(facet).first;
-  const auto i = static_cast<std::size_t>((axis + 1) % 3), j = static_cast<std::size_t>((axis + 2) % 3);
+  const auto i = static_cast<std::size_t>((axis + 1) % 3),
+             j = static_cast<std::size_t>((axis + 2) % 3);
   Rational sum;
   for (const Part& part : parts) {
     std::vector<std::array<Rational, 2>> at;
@@ -214,12 +233,14 @@ Rational plain_area(const ExactOracle& oracle, std::uint32_t facet, const std::v
       for (Rational& x : at.back()) x.canonicalize();
     }
     for (std::size_t k = 2; k < at.size(); ++k)
-      sum += (at[k - 1][0] - at[0][0]) * (at[k][1] - at[0][1]) - (at[k - 1][1] - at[0][1]) * (at[k][0] - at[0][0]);
+      sum += (at[k - 1][0] - at[0][0]) * (at[k][1] - at[0][1]) -
+             (at[k - 1][1] - at[0][1]) * (at[k][0] - at[0][0]);
   }
   return abs(sum);
 }
 
-// A region's area from its boundary is that of its parts, as fractions (here only up to the unit, which the ratio does not see).
+// A region's area from its boundary is that of its parts, as fractions (here only up to the unit,
+// which the ratio does not see).
 TEST_P(OfExactKind, AreaFromTheBoundaryIsTheSumOfParts) {
   for (std::uint64_t seed = 100; seed < 110; ++seed) {
     const ExactScene made = exact_scene(GetParam(), seed);
@@ -228,8 +249,10 @@ TEST_P(OfExactKind, AreaFromTheBoundaryIsTheSumOfParts) {
     if (!oracle.defined()) continue;
     for (std::uint32_t f = 0; f < scene.facets().size(); ++f) {
       if (oracle.role(f) != Role::takes_part) continue;
-      const Rational whole = plain_area(oracle, f, oracle.parts(f)), lit = plain_area(oracle, f, oracle.lit_parts(f));
-      ASSERT_EQ(lit_area(oracle, f) * whole, whole_area(oracle, f) * lit) << "seed " << seed << ", facet " << f;
+      const Rational whole = plain_area(oracle, f, oracle.parts(f)),
+                     lit = plain_area(oracle, f, oracle.lit_parts(f));
+      ASSERT_EQ(lit_area(oracle, f) * whole, whole_area(oracle, f) * lit)
+          << "seed " << seed << ", facet " << f;
       ASSERT_EQ(oracle.lit(f).empty(), lit == 0);
       ASSERT_EQ(oracle.lit(f) == oracle.whole(f), lit == whole);
     }
@@ -251,12 +274,15 @@ class Partition {
       }
       for (const Part& part : dark) add(f, part, false);
     }
-    for (std::uint32_t i = 0; i < scene_.faces().size(); ++i) out_.areas.push_back({facing(i), 0, 0, 0});
+    for (std::uint32_t i = 0; i < scene_.faces().size(); ++i)
+      out_.areas.push_back({facing(i), 0, 0, 0});
   }
   Shadows take() { return std::move(out_); }
 
  private:
-  const Object& object(std::uint32_t facet) const { return scene_.objects()[scene_.faces()[scene_.facets()[facet].face].object]; }
+  const Object& object(std::uint32_t facet) const {
+    return scene_.objects()[scene_.faces()[scene_.facets()[facet].face].object];
+  }
 
   Facing facing(std::uint32_t i) const {
     const Face& face = scene_.faces()[i];
@@ -274,7 +300,9 @@ class Partition {
       const auto corners = scene_.corners_of(f);
       for (std::size_t i = 0; i < corners.size(); ++i) {
         for (std::size_t j = 0; j < i; ++j)
-          put({false, {scene_.vertices()[corners[i].vertex], scene_.vertices()[corners[j].vertex], Vec3::Zero(), Vec3::Zero()}});
+          put({false,
+               {scene_.vertices()[corners[i].vertex], scene_.vertices()[corners[j].vertex],
+                Vec3::Zero(), Vec3::Zero()}});
       }
     }
     for (const Facet& f : scene_.facets()) {
@@ -288,12 +316,19 @@ class Partition {
 
   void add(std::uint32_t facet, const Part& part, bool lit) {
     Block& block = out_.blocks[0];
-    const auto first = static_cast<std::uint32_t>(block.corners.size()), size = static_cast<std::uint32_t>(part.corners.size());
+    const auto first = static_cast<std::uint32_t>(block.corners.size()),
+               size = static_cast<std::uint32_t>(part.corners.size());
     for (std::size_t i = 0; i < size; ++i) add_corner(facet, part, i);
     const std::vector<std::uint32_t> by = lit ? std::vector<std::uint32_t>{} : casters(facet, part);
     const std::uint32_t caster = lit ? none : scene_.facets()[by.empty() ? facet : by[0]].face;
-    block.fragments.push_back(
-        {{0, static_cast<std::uint32_t>(block.fragments.size()), 0}, scene_.facets()[facet].face, facet, caster, first, size, lit, 0});
+    block.fragments.push_back({{0, static_cast<std::uint32_t>(block.fragments.size()), 0},
+                               scene_.facets()[facet].face,
+                               facet,
+                               caster,
+                               first,
+                               size,
+                               lit,
+                               0});
   }
 
   // In the middle of a part; elsewhere in it where that is on the boundary of a shadow.
@@ -316,7 +351,8 @@ class Partition {
     }
     block.corners.push_back(oracle_.rounded(oracle_.place(facet, ray)));
     const std::size_t before = (i + part.lines.size() - 1) % part.lines.size();
-    block.constructions.push_back({lines_.at(as_line(part.lines[before])), lines_.at(as_line(part.lines[i])), none});
+    block.constructions.push_back(
+        {lines_.at(as_line(part.lines[before])), lines_.at(as_line(part.lines[i])), none});
   }
 
   const ExactOracle& oracle_;
@@ -331,7 +367,9 @@ TEST_P(OfExactKind, ChecksAcceptTheOraclesOwnPartition) {
     const Scene scene = build(made);
     const ExactOracle oracle(scene, made.light);
     if (!oracle.defined()) continue;
-    ASSERT_EQ(check_exact(oracle, Partition(oracle).take(), Form::merged), "") << "seed " << seed << '\n' << describe(made);
+    ASSERT_EQ(check_exact(oracle, Partition(oracle).take(), Form::merged), "")
+        << "seed " << seed << '\n'
+        << describe(made);
   }
 }
 
@@ -341,7 +379,9 @@ struct Mistake {
   bool (*make)(Shadows&, Random&, const ExactOracle&);  // false: cannot be made here
 };
 
-Fragment& some_fragment(Block& block, Random& random) { return block.fragments[random.below(block.fragments.size())]; }
+Fragment& some_fragment(Block& block, Random& random) {
+  return block.fragments[random.below(block.fragments.size())];
+}
 
 // A corner that is not a vertex.
 std::optional<std::size_t> some_cut_corner(const Block& block, Random& random) {
@@ -361,7 +401,9 @@ const Mistake mistakes[] = {
      }},
     {"missing",
      [](Shadows& s, Random& random, const ExactOracle&) {
-       s.blocks[0].fragments.erase(s.blocks[0].fragments.begin() + static_cast<std::ptrdiff_t>(random.below(s.blocks[0].fragments.size())));
+       s.blocks[0].fragments.erase(
+           s.blocks[0].fragments.begin() +
+           static_cast<std::ptrdiff_t>(random.below(s.blocks[0].fragments.size())));
        return true;
      }},
     {"twice",
@@ -373,8 +415,10 @@ const Mistake mistakes[] = {
      [](Shadows& s, Random& random, const ExactOracle&) {
        Block& b = s.blocks[0];
        const Fragment& f = some_fragment(b, random);
-       std::reverse(b.corners.begin() + f.first_corner, b.corners.begin() + f.first_corner + f.corner_count);
-       std::reverse(b.constructions.begin() + f.first_corner, b.constructions.begin() + f.first_corner + f.corner_count);
+       std::reverse(b.corners.begin() + f.first_corner,
+                    b.corners.begin() + f.first_corner + f.corner_count);
+       std::reverse(b.constructions.begin() + f.first_corner,
+                    b.constructions.begin() + f.first_corner + f.corner_count);
        return true;
      }},
     {"three ulps",
@@ -391,7 +435,9 @@ const Mistake mistakes[] = {
        const Fragment& f = some_fragment(b, random);
        for (std::uint32_t k = f.first_corner; k < f.first_corner + f.corner_count; ++k) {
          if (b.constructions[k].vertex == none) continue;
-         b.corners[k].x() = std::nextafter(b.corners[k].x(), 0.0) == b.corners[k].x() ? 1e-300 : std::nextafter(b.corners[k].x(), 0.0);
+         b.corners[k].x() = std::nextafter(b.corners[k].x(), 0.0) == b.corners[k].x()
+                                ? 1e-300
+                                : std::nextafter(b.corners[k].x(), 0.0);
          return true;
        }
        return false;
@@ -427,7 +473,9 @@ TEST(ExactChecks, SeeEveryMistake) {
       Random random(seed);
       if (shadows.blocks[0].fragments.empty() || !mistake.make(shadows, random, oracle)) continue;
       ++made_so_often;
-      EXPECT_NE(check_exact(oracle, shadows, Form::merged), "") << mistake.name << ", seed " << seed << '\n' << describe(made);
+      EXPECT_NE(check_exact(oracle, shadows, Form::merged), "")
+          << mistake.name << ", seed " << seed << '\n'
+          << describe(made);
     }
     EXPECT_GT(made_so_often, 20) << mistake.name;
   }
@@ -442,7 +490,8 @@ TEST(ExactChecks, OneUlpIsOneUlp) {
   const double up = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(within_one_ulp(oracle, third, 0, 1.0 / 3));
   EXPECT_TRUE(within_one_ulp(oracle, third, 0, std::nextafter(1.0 / 3, up)));
-  EXPECT_FALSE(within_one_ulp(oracle, third, 0, std::nextafter(1.0 / 3, 0)));  // beyond it lies a third already
+  // beyond it lies a third already
+  EXPECT_FALSE(within_one_ulp(oracle, third, 0, std::nextafter(1.0 / 3, 0)));
   EXPECT_FALSE(within_one_ulp(oracle, third, 0, -1.0 / 3));
   EXPECT_TRUE(within_one_ulp(oracle, third, 1, 0));
   EXPECT_TRUE(within_one_ulp(oracle, third, 1, std::numeric_limits<double>::denorm_min()));

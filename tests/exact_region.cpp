@@ -53,13 +53,14 @@ int turn(const Triple& a, const Triple& b, const Triple& c) { return sign_of_dot
 
 Part part_of(std::vector<Triple> corners) {
   Part part;
-  for (std::size_t i = 0; i < corners.size(); ++i) part.lines.push_back(reduced(cross(corners[i], corners[(i + 1) % corners.size()])));
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    part.lines.push_back(reduced(cross(corners[i], corners[(i + 1) % corners.size()])));
   part.corners = std::move(corners);
   return part;
 }
 
-// The corner on edge i is line_i x line, turned so that it is a positive combination of the edge's ends:
-// (c_i x c_j) x n = c_j (n.c_i) - c_i (n.c_j).
+// The corner on edge i is line_i x line, turned so that it is a positive combination of the edge's
+// ends: (c_i x c_j) x n = c_j (n.c_i) - c_i (n.c_j).
 void cut(const Part& in, const Triple& line, Part& inside, Part& outside) {
   inside = {}, outside = {};
   const std::size_t size = in.corners.size();
@@ -104,17 +105,21 @@ std::vector<Part> without(const std::vector<Part>& parts, const Part& hole) {
   return out;
 }
 
-// Every turn is to the left or straight on; and seen from the first corner, too, all others come in order, so it goes round once.
+// Every turn is to the left or straight on; and seen from the first corner, too, all others come in
+// order, so it goes round once.
 bool is_convex(std::span<const Triple> corners) {
   const std::size_t size = corners.size();
   if (size < 3) return false;
   std::vector<Triple> lines;
-  for (std::size_t i = 0; i < size; ++i) lines.push_back(cross(corners[i], corners[(i + 1) % size]));
+  for (std::size_t i = 0; i < size; ++i)
+    lines.push_back(cross(corners[i], corners[(i + 1) % size]));
   bool flat = true;
   for (std::size_t i = 0; i < size; ++i) {
-    const int left = sign_of_dot(lines[i], corners[(i + 2) % size]), fan = sign_of_dot(lines[i], corners[0]);
+    const int left = sign_of_dot(lines[i], corners[(i + 2) % size]),
+              fan = sign_of_dot(lines[i], corners[0]);
     if (is_zero(lines[i]) || left < 0 || fan < 0) return false;
-    if (left == 0 && sign_of_dot(lines[i], lines[(i + 1) % size]) <= 0) return false;  // it turns back
+    // it turns back
+    if (left == 0 && sign_of_dot(lines[i], lines[(i + 1) % size]) <= 0) return false;
     flat = flat && fan == 0;
   }
   return !flat;
@@ -138,14 +143,18 @@ void Region::add(const Part& part) {
     add_edge(as_line(part.lines[i]), part.corners[i], part.corners[(i + 1) % part.corners.size()]);
 }
 
-void Region::add(const Region& other) { terms_.insert(terms_.end(), other.terms_.begin(), other.terms_.end()); }
+void Region::add(const Region& other) {
+  terms_.insert(terms_.end(), other.terms_.begin(), other.terms_.end());
+}
 
 void Region::settle() {
-  std::sort(terms_.begin(), terms_.end(),
-            [](const Term& a, const Term& b) { return std::tie(a.line, a.point) < std::tie(b.line, b.point); });
+  std::sort(terms_.begin(), terms_.end(), [](const Term& a, const Term& b) {
+    return std::tie(a.line, a.point) < std::tie(b.line, b.point);
+  });
   std::vector<Term> kept;
   for (Term& t : terms_) {
-    if (!kept.empty() && kept.back().line == t.line && kept.back().point == t.point) kept.back().count += t.count;
+    if (!kept.empty() && kept.back().line == t.line && kept.back().point == t.point)
+      kept.back().count += t.count;
     else {
       if (!kept.empty() && kept.back().count == 0) kept.pop_back();
       kept.push_back(std::move(t));

@@ -23,7 +23,8 @@ Vec3 grid_point(Random& random) {
 }
 
 Vec3 any_point(Random& random, double lo, double hi) {
-  const double x = lo + (hi - lo) * random.unit(), y = lo + (hi - lo) * random.unit(), z = lo + (hi - lo) * random.unit();
+  const double x = lo + (hi - lo) * random.unit(), y = lo + (hi - lo) * random.unit(),
+               z = lo + (hi - lo) * random.unit();
   return {x, y, z};
 }
 
@@ -68,7 +69,8 @@ std::vector<Vec3> grid_corners(Random& random) {
 ExactObject tetrahedron(const std::array<Vec3, 4>& p, bool turned) {
   ExactObject object;
   object.vertices.assign(p.begin(), p.end());
-  if ((p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]) < 0) std::swap(object.vertices[0], object.vertices[1]);
+  if ((p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]) < 0)
+    std::swap(object.vertices[0], object.vertices[1]);
   object.faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
   if (turned) std::swap(object.vertices[0], object.vertices[1]);
   return object;
@@ -94,7 +96,8 @@ ExactObject grid_solid(Random& random) {
       const Vec3 a = grid_point(random), b = grid_point(random);
       if ((a - b).cwiseAbs().minCoeff() > 0) object = box(a.cwiseMin(b), a.cwiseMax(b), turned);
     } else {
-      const std::array<Vec3, 4> p{grid_point(random), grid_point(random), grid_point(random), grid_point(random)};
+      const std::array<Vec3, 4> p{grid_point(random), grid_point(random), grid_point(random),
+                                  grid_point(random)};
       if ((p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]) != 0) object = tetrahedron(p, turned);
     }
   }
@@ -123,14 +126,16 @@ std::vector<Vec3> any_corners(Random& random) {
 
 ExactScene soup(Random& random) {
   ExactScene scene;
-  for (std::size_t n = some_count(random); n > 0; --n) scene.objects.push_back(sheet(any_corners(random), random));
+  for (std::size_t n = some_count(random); n > 0; --n)
+    scene.objects.push_back(sheet(any_corners(random), random));
   scene.light = some_light(random);
   return scene;
 }
 
 ExactScene grid(Random& random) {
   ExactScene scene;
-  for (const std::size_t n = some_count(random); face_count(scene) < n;) scene.objects.push_back(grid_object(random));
+  for (const std::size_t n = some_count(random); face_count(scene) < n;)
+    scene.objects.push_back(grid_object(random));
   scene.light = grid_light(random);
   return scene;
 }
@@ -147,14 +152,17 @@ ExactScene grid_solids(Random& random) {
 // A concave outline in a plane of the grid.
 std::vector<Vec3> outline(Random& random) {
   static const std::vector<std::vector<std::array<int, 2>>> outlines{
-      {{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}}, {{0, 0}, {3, 1}, {0, 3}, {1, 1}}, {{0, 0}, {2, 0}, {3, 3}, {1, 1}, {0, 2}}};
+      {{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}},
+      {{0, 0}, {3, 1}, {0, 3}, {1, 1}},
+      {{0, 0}, {2, 0}, {3, 3}, {1, 1}, {0, 2}}};
   const std::uint64_t x = random.below(3), z = random.below(4), lift = random.below(2);
   std::vector<Vec3> out;
   for (const auto& p : outlines[random.below(outlines.size())]) {
     Vec3 v;
     v[static_cast<Eigen::Index>(x)] = p[0];
     v[static_cast<Eigen::Index>((x + 1) % 3)] = p[1];
-    v[static_cast<Eigen::Index>((x + 2) % 3)] = static_cast<double>(z) + (lift ? p[0] : 0);  // leaves the grid at times; stays whole
+    // leaves the grid at times; stays whole
+    v[static_cast<Eigen::Index>((x + 2) % 3)] = static_cast<double>(z) + (lift ? p[0] : 0);
     out.push_back(v);
   }
   return out;
@@ -165,7 +173,8 @@ ExactScene folded(Random& random) {
   for (const std::size_t n = some_count(random); face_count(scene) < n;) {
     switch (random.below(3)) {
       case 0: {
-        const Vec3 a = grid_point(random), b = grid_point(random), c = grid_point(random), d = grid_point(random);
+        const Vec3 a = grid_point(random), b = grid_point(random), c = grid_point(random),
+                   d = grid_point(random);
         scene.objects.push_back(sheet({a, b, c, d}, random));
         break;
       }
@@ -192,7 +201,8 @@ ExactScene coplanar(Random& random) {
     }
     if (in_line(corners[0], corners[1], corners[2])) continue;
     scene.objects.push_back(sheet(std::move(corners), random));
-    if (random.below(4) == 0) scene.objects.push_back(scene.objects[random.below(scene.objects.size())]);
+    if (random.below(4) == 0)
+      scene.objects.push_back(scene.objects[random.below(scene.objects.size())]);
   }
   scene.light = grid_light(random);
   return scene;
@@ -260,7 +270,8 @@ ExactScene on_grid(Random& random) {
   }
 }
 
-// Off zero, some ulps are denormal numbers: those have kinds of their own, and here the grid begins at 1.
+// Off zero, some ulps are denormal numbers: those have kinds of their own, and here the grid begins
+// at 1.
 ExactScene nudged_scene(Random& random) {
   ExactScene scene = on_grid(random);
   const std::uint64_t one_in = 1 + random.below(8);
@@ -275,7 +286,8 @@ ExactScene nudged_scene(Random& random) {
   if (scene.light.kind == Light::Kind::point) scene.light.at += Vec3::Ones();
   if (random.below(2) == 0) {
     nudge(scene.light.at);
-    scene.light.at = scene.light.at.unaryExpr([](double c) { return std::abs(c) < 1e-300 ? 0.0 : c; });
+    scene.light.at =
+        scene.light.at.unaryExpr([](double c) { return std::abs(c) < 1e-300 ? 0.0 : c; });
   }
   return scene;
 }
@@ -284,7 +296,8 @@ ExactScene needles(Random& random) {
   ExactScene scene = random.below(2) == 0 ? soup(random) : grid(random);
   for (std::size_t n = 2 + random.below(4); n > 0; --n) {
     const bool whole = random.below(2) == 0;
-    const Vec3 a = whole ? grid_point(random) : any_point(random, 0, 1), b = whole ? grid_point(random) : any_point(random, 0, 1);
+    const Vec3 a = whole ? grid_point(random) : any_point(random, 0, 1),
+               b = whole ? grid_point(random) : any_point(random, 0, 1);
     if (a == b) continue;
     const Vec3 beside = a + random.unit() * (b - a) + 1e-12 * any_direction(random);
     if (random.below(2) == 0) scene.objects.push_back(sheet({a, b, beside}, random));
@@ -295,7 +308,8 @@ ExactScene needles(Random& random) {
 
 ExactScene stack(Random& random) {
   ExactScene scene;
-  const std::vector<Vec3> corners = random.below(2) == 0 ? grid_corners(random) : any_corners(random);
+  const std::vector<Vec3> corners =
+      random.below(2) == 0 ? grid_corners(random) : any_corners(random);
   const auto axis = static_cast<Eigen::Index>(random.below(3));
   std::vector<Vec3> sheet_corners = corners;
   for (Vec3& v : sheet_corners) v += Vec3::Ones();
@@ -348,7 +362,9 @@ ExactScene scaled_scene(Random& random) {
 ExactScene mixed_scales(Random& random) {
   ExactScene scene = any_scene(random);
   const bool with_one = random.below(2) == 0;
-  const auto factor = [&] { return with_one && random.below(2) == 0 ? 1.0 : scales[random.below(4)]; };
+  const auto factor = [&] {
+    return with_one && random.below(2) == 0 ? 1.0 : scales[random.below(4)];
+  };
   for (ExactObject& object : scene.objects) scale(object, factor());
   scene.light.at *= factor();
   return scene;
@@ -357,7 +373,8 @@ ExactScene mixed_scales(Random& random) {
 ExactScene far_away(Random& random) {
   ExactScene scene = any_scene(random);
   const double distance = std::pow(10, 6 + 6 * random.unit());
-  const Vec3 shift = distance * (random.below(2) == 0 ? any_direction(random) : grid_point(random)).eval();
+  const Vec3 shift =
+      distance * (random.below(2) == 0 ? any_direction(random) : grid_point(random)).eval();
   for (ExactObject& object : scene.objects) {
     for (Vec3& v : object.vertices) v += shift;
   }
@@ -365,18 +382,23 @@ ExactScene far_away(Random& random) {
   return scene;
 }
 
-const Vec3& corner(const ExactObject& object, std::size_t k) { return object.vertices[object.faces[0][k]]; }
+const Vec3& corner(const ExactObject& object, std::size_t k) {
+  return object.vertices[object.faces[0][k]];
+}
 
 ExactScene special_light(Random& random) {
   ExactScene scene = random.below(2) == 0 ? soup(random) : on_grid(random);
   const ExactObject& object = scene.objects[random.below(scene.objects.size())];
   const Vec3 &a = corner(object, 0), &b = corner(object, 1), &c = corner(object, 2);
-  const double s = random.below(2) == 0 ? 4 * random.unit() - 2 : static_cast<double>(random.below(7)) - 3;
-  const double t = random.below(2) == 0 ? 4 * random.unit() - 2 : static_cast<double>(random.below(7)) - 3;
+  const double s =
+      random.below(2) == 0 ? 4 * random.unit() - 2 : static_cast<double>(random.below(7)) - 3;
+  const double t =
+      random.below(2) == 0 ? 4 * random.unit() - 2 : static_cast<double>(random.below(7)) - 3;
   const bool sun = random.below(3) == 0;
   switch (random.below(3)) {
     case 0:
-      scene.light = sun ? Light::directional(s * (b - a) + t * (c - a)) : Light::point(a + s * (b - a) + t * (c - a));
+      scene.light = sun ? Light::directional(s * (b - a) + t * (c - a))
+                        : Light::point(a + s * (b - a) + t * (c - a));
       break;
     case 1:
       scene.light = sun ? Light::directional(b - a) : Light::point(a + s * (b - a));
@@ -384,7 +406,8 @@ ExactScene special_light(Random& random) {
     default:
       scene.light = Light::point(a);
   }
-  if (scene.light.kind == Light::Kind::directional && scene.light.at.isZero(0)) scene.light.at = -Vec3::UnitZ();
+  if (scene.light.kind == Light::Kind::directional && scene.light.at.isZero(0))
+    scene.light.at = -Vec3::UnitZ();
   if (random.below(2) == 0) {
     double& x = scene.light.at[static_cast<Eigen::Index>(random.below(3))];
     if (x != 0) x = std::nextafter(x, random.below(2) == 0 ? -infinity : infinity);
@@ -412,9 +435,11 @@ ExactScene grazing(Random& random) {
   const ExactObject& object = scene.objects[random.below(scene.objects.size())];
   const Vec3 &a = corner(object, 0), &b = corner(object, 1), &c = corner(object, 2);
   const double angle = std::pow(10, -3 - 9 * random.unit());
-  const Vec3 along = (2 * random.unit() - 1) * (b - a) + (2 * random.unit() - 1) * (c - a), across = (b - a).cross(c - a);
+  const Vec3 along = (2 * random.unit() - 1) * (b - a) + (2 * random.unit() - 1) * (c - a),
+             across = (b - a).cross(c - a);
   const Vec3 travel = along.stableNormalized() + angle * across.stableNormalized();
-  scene.light = Light::directional(travel.allFinite() && !travel.isZero(0) ? travel : -Vec3::UnitZ());
+  scene.light =
+      Light::directional(travel.allFinite() && !travel.isZero(0) ? travel : -Vec3::UnitZ());
   return scene;
 }
 
@@ -429,8 +454,10 @@ void vary(ExactScene& scene, Random& random) {
 }  // namespace
 
 const char* name_of(ExactKind kind) {
-  constexpr std::array names{"soup",  "grid",   "grid_solids",  "folded",   "coplanar",      "fan",       "pencil",     "nudged", "needles",
-                             "stack", "scaled", "mixed_scales", "far_away", "special_light", "far_light", "near_light", "grazing"};
+  constexpr std::array names{
+      "soup",     "grid",          "grid_solids", "folded",     "coplanar", "fan",
+      "pencil",   "nudged",        "needles",     "stack",      "scaled",   "mixed_scales",
+      "far_away", "special_light", "far_light",   "near_light", "grazing"};
   return names[static_cast<std::size_t>(kind)];
 }
 
@@ -439,7 +466,8 @@ void PrintTo(ExactKind kind, std::ostream* out) { *out << name_of(kind); }
 ExactObject grid_object(Random& random) {
   if (random.below(8) == 0) return grid_solid(random);
   ExactObject object;
-  for (std::uint64_t n = 1 + random.below(3); n > 0; --n) add_face(object, grid_corners(random), random.below(2) == 0);
+  for (std::uint64_t n = 1 + random.below(3); n > 0; --n)
+    add_face(object, grid_corners(random), random.below(2) == 0);
   object.closed = random.below(8) == 0;
   return object;
 }
@@ -464,9 +492,10 @@ Light grid_light(Random& random) {
 }
 
 ExactScene exact_scene(ExactKind kind, std::uint64_t seed) {
-  constexpr std::array<ExactScene (*)(Random&), 17> makers{soup,     grid,          grid_solids, folded,     coplanar,     fan,
-                                                           pencil,   nudged_scene,  needles,     stack,      scaled_scene, mixed_scales,
-                                                           far_away, special_light, far_light,   near_light, grazing};
+  constexpr std::array<ExactScene (*)(Random&), 17> makers{
+      soup,     grid,          grid_solids, folded,     coplanar,     fan,
+      pencil,   nudged_scene,  needles,     stack,      scaled_scene, mixed_scales,
+      far_away, special_light, far_light,   near_light, grazing};
   Random random(seed * 32 + static_cast<std::uint64_t>(kind));
   ExactScene scene = makers[static_cast<std::size_t>(kind)](random);
   vary(scene, random);
@@ -503,7 +532,8 @@ ExactScene reduced_scene(ExactScene scene, const std::function<bool(const ExactS
         ExactScene smaller = scene;
         auto& faces = smaller.objects[o].faces;
         faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(f));
-        if (faces.empty()) smaller.objects.erase(smaller.objects.begin() + static_cast<std::ptrdiff_t>(o));
+        if (faces.empty())
+          smaller.objects.erase(smaller.objects.begin() + static_cast<std::ptrdiff_t>(o));
         if (!fails(smaller)) continue;
         scene = std::move(smaller);
         again = true;
@@ -514,7 +544,8 @@ ExactScene reduced_scene(ExactScene scene, const std::function<bool(const ExactS
 }
 
 std::string describe(const ExactObject& object) {
-  std::string out = std::string(object.closed ? "closed" : "open") + (object.casts ? "" : ", does not cast") +
+  std::string out = std::string(object.closed ? "closed" : "open") +
+                    (object.casts ? "" : ", does not cast") +
                     (object.receives ? "" : ", does not receive") + "\n";
   for (const auto& face : object.faces) {
     out += "  face";
@@ -531,8 +562,9 @@ std::string describe(const ExactObject& object) {
 
 std::string describe(const Light& light) {
   char buffer[120];
-  std::snprintf(buffer, sizeof buffer, "%s light {%.17g, %.17g, %.17g}\n", light.kind == Light::Kind::point ? "point" : "directional",
-                light.at.x(), light.at.y(), light.at.z());
+  std::snprintf(buffer, sizeof buffer, "%s light {%.17g, %.17g, %.17g}\n",
+                light.kind == Light::Kind::point ? "point" : "directional", light.at.x(),
+                light.at.y(), light.at.z());
   return buffer;
 }
 

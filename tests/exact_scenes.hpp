@@ -1,6 +1,7 @@
-// Small scenes made to break an exact kernel: on a grid, where almost everything is degenerate, and beside it by some ulps; thin, stacked,
-// huge, tiny and far away; with lights in planes, on lines and at corners. A seed gives the same scene everywhere. Unlike those of
-// random_scenes.hpp they are plain lists of faces, so that a scene that fails can be made smaller and printed.
+// Small scenes made to break an exact kernel: on a grid, where almost everything is degenerate, and
+// beside it by some ulps; thin, stacked, huge, tiny and far away; with lights in planes, on lines
+// and at corners. A seed gives the same scene everywhere. Unlike those of random_scenes.hpp they
+// are plain lists of faces, so that a scene that fails can be made smaller and printed.
 #pragma once
 
 #include <cstdint>
@@ -33,17 +34,19 @@ enum class ExactKind {
   grazing         // a directional light 1e-3 to 1e-12 off a face's plane
 };
 inline constexpr ExactKind kAllExactKinds[] = {
-    ExactKind::soup,       ExactKind::grid,         ExactKind::grid_solids, ExactKind::folded,        ExactKind::coplanar,
-    ExactKind::fan,        ExactKind::pencil,       ExactKind::nudged,      ExactKind::needles,       ExactKind::stack,
-    ExactKind::scaled,     ExactKind::mixed_scales, ExactKind::far_away,    ExactKind::special_light, ExactKind::far_light,
-    ExactKind::near_light, ExactKind::grazing};
+    ExactKind::soup,     ExactKind::grid,          ExactKind::grid_solids, ExactKind::folded,
+    ExactKind::coplanar, ExactKind::fan,           ExactKind::pencil,      ExactKind::nudged,
+    ExactKind::needles,  ExactKind::stack,         ExactKind::scaled,      ExactKind::mixed_scales,
+    ExactKind::far_away, ExactKind::special_light, ExactKind::far_light,   ExactKind::near_light,
+    ExactKind::grazing};
 const char* name_of(ExactKind kind);
 void PrintTo(ExactKind kind, std::ostream* out);  // for GoogleTest
 
 struct ExactObject {
   std::vector<Vec3> vertices;
   std::vector<std::vector<std::uint32_t>> faces;
-  bool closed = false;  // by decree: a solid with faces left out, or inside out, has one-sided faces like any other
+  // by decree: a solid with faces left out, or inside out, has one-sided faces like any other
+  bool closed = false;
   bool casts = true, receives = true;
 };
 

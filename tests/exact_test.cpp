@@ -1,9 +1,11 @@
-// Kernel::exact against the exact oracle, on scenes made to break it: every fragment, every corner, the same points lit, without a
-// tolerance. And the same after every update of scenes that are edited.
+// Kernel::exact against the exact oracle, on scenes made to break it: every fragment, every corner,
+// the same points lit, without a tolerance. And the same after every update of scenes that are
+// edited.
 //
-// SHADOWCUT_SOAK=n runs about n random scenes (and n / 20 updates) instead of some thousands, SHADOWCUT_SEED=k other ones;
-// SHADOWCUT_SCENE=seed runs that one seed alone. A failure names kind, seed and options, and prints the scene without the faces, or the
-// history without the edits, that it fails without.
+// SHADOWCUT_SOAK=n runs about n random scenes (and n / 20 updates) instead of some thousands,
+// SHADOWCUT_SEED=k other ones; SHADOWCUT_SCENE=seed runs that one seed alone. A failure names kind,
+// seed and options, and prints the scene without the faces, or the history without the edits, that
+// it fails without.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +30,8 @@ struct Seeds {
 };
 Seeds seeds(std::uint64_t usual, std::uint64_t share_of_soak) {
   if (const auto one = environment("SHADOWCUT_SCENE")) return {*one, *one + 1};
-  const std::uint64_t first = 1000000 * environment("SHADOWCUT_SEED").value_or(0), soak = environment("SHADOWCUT_SOAK").value_or(0);
+  const std::uint64_t first = 1000000 * environment("SHADOWCUT_SEED").value_or(0),
+                      soak = environment("SHADOWCUT_SOAK").value_or(0);
   return {first, first + (soak ? soak / share_of_soak + 1 : usual)};
 }
 
@@ -49,7 +52,8 @@ Options some_options(std::uint64_t seed) {
   return o;
 }
 
-std::string check_scene(const Scene& scene, const Light& light, const ExactOracle& oracle, const Options& options) {
+std::string check_scene(const Scene& scene, const Light& light, const ExactOracle& oracle,
+                        const Options& options) {
   if (!oracle.defined()) return {};
   try {
     return check_exact(oracle, cast_shadows(scene, light, options), options.form);
@@ -65,16 +69,21 @@ std::string check_scene(const ExactScene& made, const Options& options) {
 
 // For a failure's message.
 std::string explain(const ExactScene& made, const Options& options) {
-  const ExactScene least = reduced_scene(made, [&](const ExactScene& s) { return !check_scene(s, options).empty(); });
-  return describe(options) + "\nleast scene that fails:\n" + describe(least) + "there: " + check_scene(least, options);
+  const ExactScene least =
+      reduced_scene(made, [&](const ExactScene& s) { return !check_scene(s, options).empty(); });
+  return describe(options) + "\nleast scene that fails:\n" + describe(least) +
+         "there: " + check_scene(least, options);
 }
 
 class ExactOf : public ::testing::TestWithParam<ExactKind> {};
-INSTANTIATE_TEST_SUITE_P(Kinds, ExactOf, ::testing::ValuesIn(kAllExactKinds), [](const auto& info) { return name_of(info.param); });
+INSTANTIATE_TEST_SUITE_P(Kinds, ExactOf, ::testing::ValuesIn(kAllExactKinds),
+                         [](const auto& info) { return name_of(info.param); });
 
-// Three settings a scene, all held against the one oracle: so any order of insertion and any prefix gives the same lit points.
+// Three settings a scene, all held against the one oracle: so any order of insertion and any prefix
+// gives the same lit points.
 TEST_P(ExactOf, RandomScenes) {
-  const bool on_grid = GetParam() >= ExactKind::grid && GetParam() <= ExactKind::pencil;  // small numbers: quickly reckoned
+  // small numbers: quickly reckoned
+  const bool on_grid = GetParam() >= ExactKind::grid && GetParam() <= ExactKind::pencil;
   const Seeds range = seeds(on_grid ? 500 : 120, std::size(kAllExactKinds));
   std::uint64_t defined = 0;
   for (std::uint64_t seed = range.first; seed < range.end; ++seed) {
@@ -85,22 +94,28 @@ TEST_P(ExactOf, RandomScenes) {
     for (std::uint64_t k = 0; k < 3; ++k) {
       const Options options = some_options(3 * seed + k);
       const std::string what = check_scene(scene, made.light, oracle, options);
-      ASSERT_EQ(what, "") << name_of(GetParam()) << ", seed " << seed << ", " << explain(made, options);
+      ASSERT_EQ(what, "") << name_of(GetParam()) << ", seed " << seed << ", "
+                          << explain(made, options);
     }
   }
-  EXPECT_TRUE(range.end - range.first < 50 || 3 * defined > range.end - range.first) << "few scenes are within the definition";
+  EXPECT_TRUE(range.end - range.first < 50 || 3 * defined > range.end - range.first)
+      << "few scenes are within the definition";
 }
 
 bool same_numbers(const LightLine& a, const LightLine& b) {
-  return a.crossing == b.crossing && std::equal(a.v.begin(), a.v.begin() + (a.crossing ? 4 : 2), b.v.begin());
+  return a.crossing == b.crossing &&
+         std::equal(a.v.begin(), a.v.begin() + (a.crossing ? 4 : 2), b.v.begin());
 }
 
 std::string check_same_constructions(const Shadows& a, const Shadows& b) {
   for (std::size_t k = 0; k < a.blocks.size(); ++k) {
     const auto &x = a.blocks[k].constructions, &y = b.blocks[k].constructions;
-    if (x.size() != y.size()) return "block " + std::to_string(k) + " has another number of constructions";
+    if (x.size() != y.size())
+      return "block " + std::to_string(k) + " has another number of constructions";
     for (std::size_t i = 0; i < x.size(); ++i) {
-      if (x[i].vertex != y[i].vertex || (x[i].vertex == none && !(same_numbers(x[i].in, y[i].in) && same_numbers(x[i].out, y[i].out))))
+      if (x[i].vertex != y[i].vertex ||
+          (x[i].vertex == none &&
+           !(same_numbers(x[i].in, y[i].in) && same_numbers(x[i].out, y[i].out))))
         return "block " + std::to_string(k) + ", construction " + std::to_string(i) + " differs";
     }
   }
@@ -116,8 +131,10 @@ TEST_P(ExactOf, TwoThreadsSameBits) {
     const Shadows one = cast_shadows(scene, made.light, options);
     options.threads = 2;
     const Shadows two = cast_shadows(scene, made.light, options);
-    ASSERT_EQ(check_identical(one, two), "") << name_of(GetParam()) << ", seed " << seed << ", " << describe(options);
-    ASSERT_EQ(check_same_constructions(one, two), "") << name_of(GetParam()) << ", seed " << seed << ", " << describe(options);
+    ASSERT_EQ(check_identical(one, two), "")
+        << name_of(GetParam()) << ", seed " << seed << ", " << describe(options);
+    ASSERT_EQ(check_same_constructions(one, two), "")
+        << name_of(GetParam()) << ", seed " << seed << ", " << describe(options);
   }
 }
 
@@ -129,7 +146,8 @@ TEST_P(ExactOf, ConstructionsChangeNothing) {
     Options options = some_options(seed);
     const Shadows with = cast_shadows(scene, made.light, options);
     options.constructions = false;
-    ASSERT_EQ(check_identical(with, cast_shadows(scene, made.light, options)), "") << name_of(GetParam()) << ", seed " << seed;
+    ASSERT_EQ(check_identical(with, cast_shadows(scene, made.light, options)), "")
+        << name_of(GetParam()) << ", seed " << seed;
   }
 }
 
@@ -138,14 +156,17 @@ TEST_P(ExactOf, EveryPredicateIsDecidedOnOneRung) {
     const ExactScene made = exact_scene(GetParam(), seed);
     const Scene scene = build(made);
     const Stats s = cast_shadows(scene, made.light, some_options(seed)).stats;
-    ASSERT_EQ(s.by_identity + s.by_filter + s.by_exact, s.predicates) << name_of(GetParam()) << ", seed " << seed;
+    ASSERT_EQ(s.by_identity + s.by_filter + s.by_exact, s.predicates)
+        << name_of(GetParam()) << ", seed " << seed;
   }
 }
 
-// The areas of faces are doubles and rounded; in scenes of usual size, to what the fast kernel's are held to.
+// The areas of faces are doubles and rounded; in scenes of usual size, to what the fast kernel's
+// are held to.
 TEST(Exact, AreasOfFaces) {
-  for (const ExactKind kind : {ExactKind::soup, ExactKind::grid, ExactKind::grid_solids, ExactKind::folded, ExactKind::coplanar,
-                               ExactKind::fan, ExactKind::pencil}) {
+  for (const ExactKind kind :
+       {ExactKind::soup, ExactKind::grid, ExactKind::grid_solids, ExactKind::folded,
+        ExactKind::coplanar, ExactKind::fan, ExactKind::pencil}) {
     for (std::uint64_t seed = 8000; seed < 8030; ++seed) {
       const ExactScene made = exact_scene(kind, seed);
       const Scene scene = build(made);
@@ -159,8 +180,10 @@ TEST(Exact, AreasOfFaces) {
         double lit = 0;
         for (std::uint32_t f = face.first_facet; f < face.first_facet + face.facet_count; ++f)
           lit += oracle.area(f, oracle.lit(f)).get_d() * oracle.stretch(f).second;
-        EXPECT_NEAR(area.lit, lit, 1e-9 * area.area) << name_of(kind) << ", seed " << seed << ", face " << i;
-        EXPECT_NEAR(area.lit + area.shadowed, area.area, 1e-9 * area.area) << name_of(kind) << ", seed " << seed << ", face " << i;
+        EXPECT_NEAR(area.lit, lit, 1e-9 * area.area)
+            << name_of(kind) << ", seed " << seed << ", face " << i;
+        EXPECT_NEAR(area.lit + area.shadowed, area.area, 1e-9 * area.area)
+            << name_of(kind) << ", seed " << seed << ", face " << i;
       }
     }
   }
@@ -172,18 +195,21 @@ TEST(Exact, CrowdedGrid) {
   for (std::uint64_t seed = range.first; seed < range.end; ++seed) {
     Random random(77 + seed);
     ExactScene made;
-    for (std::uint64_t n = 25 + random.below(25); n > 0; --n) made.objects.push_back(grid_object(random));
+    for (std::uint64_t n = 25 + random.below(25); n > 0; --n)
+      made.objects.push_back(grid_object(random));
     made.light = grid_light(random);
     const Scene scene = build(made);
     const ExactOracle oracle(scene, made.light);
     for (std::uint64_t k = 0; k < 3; ++k) {
       const Options options = some_options(3 * seed + k);
-      ASSERT_EQ(check_scene(scene, made.light, oracle, options), "") << "seed " << seed << ", " << explain(made, options);
+      ASSERT_EQ(check_scene(scene, made.light, oracle, options), "")
+          << "seed " << seed << ", " << explain(made, options);
     }
   }
 }
 
-// A stack higher than its parallel sheets' distances are long: a hundred, each one ulp above the one before.
+// A stack higher than its parallel sheets' distances are long: a hundred, each one ulp above the
+// one before.
 TEST(Exact, SixtySheetsOneUlpApart) {
   for (const bool sun : {false, true}) {
     ExactScene made;
@@ -198,13 +224,27 @@ TEST(Exact, SixtySheetsOneUlpApart) {
     made.light = sun ? Light::directional({1, 2, -9}) : Light::point({3, 3, 1 + 0x1p-40});
     const Scene scene = build(made);
     const ExactOracle oracle(scene, made.light);
-    for (std::uint64_t k = 0; k < 3; ++k) ASSERT_EQ(check_scene(scene, made.light, oracle, some_options(k)), "") << "options " << k;
+    for (std::uint64_t k = 0; k < 3; ++k)
+      ASSERT_EQ(check_scene(scene, made.light, oracle, some_options(k)), "") << "options " << k;
   }
 }
 
-// Edits. A history is a list of these, each of which applies to any scene: so a history may be made shorter.
+// Edits. A history is a list of these, each of which applies to any scene: so a history may be made
+// shorter.
 struct GridEdit {
-  enum class What { update, add, remove, move, deform, casts, receives, add_light, move_light, remove_light, compact } what;
+  enum class What {
+    update,
+    add,
+    remove,
+    move,
+    deform,
+    casts,
+    receives,
+    add_light,
+    move_light,
+    remove_light,
+    compact
+  } what;
   std::uint64_t pick = 0;  // of the objects or lights there are
   ExactObject object;
   Pose pose = Pose::Identity();
@@ -217,31 +257,37 @@ using What = GridEdit::What;
 Pose some_pose(Random& random) {
   Pose pose = Pose::Identity();
   if (random.below(8) == 0) {
-    pose.rotate(Eigen::AngleAxisd(6.3 * random.unit(), (random.in_cube(-1, 1) + Vec3(0, 0, 1.5)).normalized()));
+    pose.rotate(Eigen::AngleAxisd(6.3 * random.unit(),
+                                  (random.in_cube(-1, 1) + Vec3(0, 0, 1.5)).normalized()));
     pose.pretranslate(random.in_cube(-1, 1));
     return pose;
   }
   if (random.below(2) == 0) {
     Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
     const auto first = static_cast<Eigen::Index>(random.below(3));
-    const double a = random.below(2) ? 1 : -1, b = random.below(2) ? 1 : -1, c = random.below(2) ? 1 : -1;
+    const double a = random.below(2) ? 1 : -1, b = random.below(2) ? 1 : -1,
+                 c = random.below(2) ? 1 : -1;
     turn(first, 0) = a, turn((first + 1) % 3, 1) = b, turn((first + 2) % 3, 2) = c;
     pose.linear() = turn;
     for (Eigen::Index i = 0; i < 3; ++i) pose.translation()[i] = turn.row(i).sum() < 0 ? 3 : 0;
   }
   const double step = random.below(4) == 0 ? 0.5 : 1;
-  for (Eigen::Index i = 0; i < 3; ++i) pose.translation()[i] += step * (static_cast<double>(random.below(5)) - 2);
+  for (Eigen::Index i = 0; i < 3; ++i)
+    pose.translation()[i] += step * (static_cast<double>(random.below(5)) - 2);
   return pose;
 }
 
 GridEdit some_edit(Random& random) {
-  constexpr std::array choices{What::add,   What::remove,   What::move,      What::move,       What::move,         What::deform,
-                               What::casts, What::receives, What::add_light, What::move_light, What::remove_light, What::compact};
+  constexpr std::array choices{What::add,        What::remove,       What::move,
+                               What::move,       What::move,         What::deform,
+                               What::casts,      What::receives,     What::add_light,
+                               What::move_light, What::remove_light, What::compact};
   GridEdit edit{choices[random.below(choices.size())], random.next(), {}, {}, {}, {}};
   edit.object = grid_object(random);
   edit.pose = some_pose(random);
   edit.light = grid_light(random);
-  edit.at = Vec3(static_cast<double>(random.below(4)), static_cast<double>(random.below(4)), static_cast<double>(random.below(4)));
+  edit.at = Vec3(static_cast<double>(random.below(4)), static_cast<double>(random.below(4)),
+                 static_cast<double>(random.below(4)));
   return edit;
 }
 
@@ -264,16 +310,19 @@ History some_history(std::uint64_t seed, std::size_t updates) {
 }
 
 std::string text_of(const GridEdit& edit) {
-  constexpr std::array names{"update",   "add",       "remove",     "move",         "deform", "casts",
-                             "receives", "add light", "move light", "remove light", "compact"};
-  std::string out = std::string(names[static_cast<std::size_t>(edit.what)]) + " (pick " + std::to_string(edit.pick) + ") ";
+  constexpr std::array names{"update",     "add",          "remove",   "move",
+                             "deform",     "casts",        "receives", "add light",
+                             "move light", "remove light", "compact"};
+  std::string out = std::string(names[static_cast<std::size_t>(edit.what)]) + " (pick " +
+                    std::to_string(edit.pick) + ") ";
   const auto number = [&](double x) {
     char buffer[40];
     std::snprintf(buffer, sizeof buffer, " %.17g", x);
     out += buffer;
   };
   if (edit.what == What::add) return out + describe(edit.object);
-  if (edit.what == What::add_light || edit.what == What::move_light) return out + describe(edit.light);
+  if (edit.what == What::add_light || edit.what == What::move_light)
+    return out + describe(edit.light);
   if (edit.what == What::move) {
     for (Eigen::Index i = 0; i < 3; ++i) {
       for (Eigen::Index j = 0; j < 4; ++j) number(edit.pose(i, j));
@@ -302,8 +351,10 @@ class Run {
       else engine_.update();
       return check();
     }
-    if (edit.what == What::add) objects_.push_back(scene_.add(mesh_of(edit.object), settings_of(edit.object)));
-    else if (edit.what == What::add_light && lights_.size() < 3) lights_.push_back(scene_.add(edit.light));
+    if (edit.what == What::add)
+      objects_.push_back(scene_.add(mesh_of(edit.object), settings_of(edit.object)));
+    else if (edit.what == What::add_light && lights_.size() < 3)
+      lights_.push_back(scene_.add(edit.light));
     else if (edit.what == What::move_light || edit.what == What::remove_light) edit_light(edit);
     else if (!objects_.empty()) edit_object(edit);
     return {};
@@ -384,13 +435,15 @@ std::string explain(History history, const Options& options) {
     }
   }
   for (GridEdit& edit : history) {
-    for (std::size_t f = edit.object.faces.size(); edit.what == What::add && edit.object.faces.size() > 1 && f-- > 0;) {
+    for (std::size_t f = edit.object.faces.size();
+         edit.what == What::add && edit.object.faces.size() > 1 && f-- > 0;) {
       const auto kept = edit.object.faces;
       edit.object.faces.erase(edit.object.faces.begin() + static_cast<std::ptrdiff_t>(f));
       if (run(history, options).empty()) edit.object.faces = kept;
     }
   }
-  return describe(options) + "\nleast history that fails:\n" + text_of(history) + "there: " + run(history, options);
+  return describe(options) + "\nleast history that fails:\n" + text_of(history) +
+         "there: " + run(history, options);
 }
 
 TEST(ExactEdits, GridHistories) {

@@ -1,4 +1,5 @@
-// What may change without changing the shadows: order, threads, prefix, form, and the distance of a far light.
+// What may change without changing the shadows: order, threads, prefix, form, and the distance of a
+// far light.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,8 +21,9 @@ std::vector<SceneData> some_scenes() {
   std::vector<SceneData> out;
   for (const Kind kind : kAllKinds)
     for (std::uint64_t seed = 0; seed < 8; ++seed) out.push_back(random_scene(kind, 400 + seed));
-  for (auto& data : {scenes::room(1), scenes::room(3), scenes::furnished_room(), scenes::tetrahedron(3), scenes::city(10),
-                     scenes::spheres(5, 12, 8), scenes::triangles(300), scenes::branch(3)})
+  for (auto& data :
+       {scenes::room(1), scenes::room(3), scenes::furnished_room(), scenes::tetrahedron(3),
+        scenes::city(10), scenes::spheres(5, 12, 8), scenes::triangles(300), scenes::branch(3)})
     out.push_back(data);
   return out;
 }
@@ -31,8 +33,12 @@ TEST(Invariance, AnyOrderGivesTheSameAreas) {
     SCOPED_TRACE(data.name);
     const Scene scene = scenes::build(data);
     const Shadows first = cast_shadows(scene, data.light);
-    for (const auto& [order, seed] : {std::pair(Order::as_given, 0), {Order::random, 1}, {Order::random, 2}, {Order::random, 3}}) {
-      SCOPED_TRACE("order " + std::to_string(static_cast<int>(order)) + ", seed " + std::to_string(seed));
+    for (const auto& [order, seed] : {std::pair(Order::as_given, 0),
+                                      {Order::random, 1},
+                                      {Order::random, 2},
+                                      {Order::random, 3}}) {
+      SCOPED_TRACE("order " + std::to_string(static_cast<int>(order)) + ", seed " +
+                   std::to_string(seed));
       Options options;
       options.order = order;
       options.seed = static_cast<std::uint64_t>(seed);
@@ -68,7 +74,8 @@ TEST(Invariance, AnyNumberOfThreadsGivesTheSameBytes) {
       const Shadows one = cast_shadows(scene, data.light, options);
       for (const unsigned threads : {2u, 3u, 4u}) {
         options.threads = threads;
-        EXPECT_EQ(check_identical(one, cast_shadows(scene, data.light, options)), "") << threads << " threads";
+        EXPECT_EQ(check_identical(one, cast_shadows(scene, data.light, options)), "")
+            << threads << " threads";
       }
     }
   }
@@ -125,11 +132,14 @@ TEST(Invariance, ManyMovesOnTwoThreads) {
     options.threads = 2;
     Engine two(scene, options);
     for (int step = 0; step < 4; ++step) {
-      SCOPED_TRACE("kernel " + std::to_string(static_cast<int>(kernel)) + ", step " + std::to_string(step));
+      SCOPED_TRACE("kernel " + std::to_string(static_cast<int>(kernel)) + ", step " +
+                   std::to_string(step));
       EXPECT_EQ(check_identical(one.update(), two.update()), "");
       EXPECT_EQ(check_identical(one.shadows(0), two.shadows(0)), "");
       for (std::size_t o = 1; o < scene.objects().size(); o += 3) {
-        ASSERT_EQ(scene.set_pose(scene.object_id(o), Pose(Eigen::Translation3d(0.01 * step + 0.01, 0.02 * step, 0))), Edit::done);
+        ASSERT_EQ(scene.set_pose(scene.object_id(o),
+                                 Pose(Eigen::Translation3d(0.01 * step + 0.01, 0.02 * step, 0))),
+                  Edit::done);
       }
     }
   }
@@ -141,7 +151,9 @@ TEST(Invariance, RandomOrderDependsOnItsSeedAlone) {
   Options options;
   options.order = Order::random;
   options.seed = 17;
-  EXPECT_EQ(check_identical(cast_shadows(scene, data.light, options), cast_shadows(scene, data.light, options)), "");
+  EXPECT_EQ(check_identical(cast_shadows(scene, data.light, options),
+                            cast_shadows(scene, data.light, options)),
+            "");
 }
 
 TEST(Invariance, EveryTreeIsValid) {
@@ -156,7 +168,8 @@ TEST(Invariance, EveryTreeIsValid) {
         options.order = order;
         Engine engine(scene, options);
         engine.update();
-        EXPECT_EQ(engine.validate(), "") << "facets per cell " << size << ", order " << static_cast<int>(order);
+        EXPECT_EQ(engine.validate(), "")
+            << "facets per cell " << size << ", order " << static_cast<int>(order);
       }
     }
   }
@@ -175,8 +188,11 @@ TEST(Invariance, FormsHaveEqualAreas) {
     const Shadows conforming = cast_shadows(scene, data.light, options);
     EXPECT_EQ(check_same_areas(scene, pieces, merged), "");
     EXPECT_EQ(check_same_areas(scene, pieces, conforming), "");
-    for (const Shadows* shadows : {&pieces, &merged, &conforming}) EXPECT_EQ(check_fragments(scene, data.light, *shadows), "");
-    const auto count = [](const Shadows& s) { return s.stats.lit_fragments + s.stats.shadowed_fragments; };
+    for (const Shadows* shadows : {&pieces, &merged, &conforming})
+      EXPECT_EQ(check_fragments(scene, data.light, *shadows), "");
+    const auto count = [](const Shadows& s) {
+      return s.stats.lit_fragments + s.stats.shadowed_fragments;
+    };
     EXPECT_LE(count(merged), count(pieces));
     EXPECT_EQ(count(merged), count(conforming));
   }
@@ -190,13 +206,14 @@ TEST(Invariance, ConformingHasNoTJunction) {
       Options options;
       options.form = Form::conforming;
       options.facets_per_cell = size;
-      EXPECT_EQ(check_conforming(scene, cast_shadows(scene, data.light, options)), "") << "facets per cell " << size;
+      EXPECT_EQ(check_conforming(scene, cast_shadows(scene, data.light, options)), "")
+          << "facets per cell " << size;
     }
   }
 }
 
-// In the conforming form there are no two corners of a face that differ in their last bits only. (In the others there are, where more than
-// two lines happen to meet in one point.)
+// In the conforming form there are no two corners of a face that differ in their last bits only.
+// (In the others there are, where more than two lines happen to meet in one point.)
 TEST(Invariance, CornersOnSharedCutsAreBitEqual) {
   for (const Kind kind : kAllKinds) {
     for (std::uint64_t seed = 0; seed < 30; ++seed) {
@@ -211,7 +228,8 @@ TEST(Invariance, CornersOnSharedCutsAreBitEqual) {
   }
 }
 
-// The lit share of a face under a point light 10^k away differs from that under the sun by a small multiple of 10^-k.
+// The lit share of a face under a point light 10^k away differs from that under the sun by a small
+// multiple of 10^-k.
 TEST(Invariance, FarPointLightIsTheSun) {
   for (const Kind kind : {Kind::soup, Kind::solids, Kind::outlines, Kind::turned_boxes}) {
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
@@ -247,7 +265,9 @@ TEST(Invariance, EngineRemembersWhatOneOffCallsGive) {
     engine.update();
     ASSERT_EQ(engine.light_count(), 2u);
     EXPECT_EQ(check_identical(engine.shadows(0), cast_shadows(scene, data.light)), "");
-    EXPECT_EQ(check_identical(engine.shadows(1), cast_shadows(scene, Light::directional({0.25, 0.5, -1}))), "");
+    EXPECT_EQ(check_identical(engine.shadows(1),
+                              cast_shadows(scene, Light::directional({0.25, 0.5, -1}))),
+              "");
     const Engine moved = std::move(engine);
     EXPECT_EQ(moved.light_count(), 2u);
   }
@@ -272,10 +292,13 @@ TEST(Invariance, CombinedLightsKeepTheirRegions) {
         const std::vector<double> lit = lit_areas(scene, sets, k);
         for (std::size_t face = 0; face < lit.size(); ++face) {
           const FaceArea& alone = engine.shadows(k).areas[face];
-          EXPECT_NEAR(lit[face], alone.lit, kAreaTolerance * alone.area) << "light " << k << ", face " << face;
-          EXPECT_NEAR(whole[face], alone.area, kAreaTolerance * alone.area) << "light " << k << ", face " << face;
+          EXPECT_NEAR(lit[face], alone.lit, kAreaTolerance * alone.area)
+              << "light " << k << ", face " << face;
+          EXPECT_NEAR(whole[face], alone.area, kAreaTolerance * alone.area)
+              << "light " << k << ", face " << face;
         }
-        EXPECT_EQ(check_points(scene, sets, k, Oracle(scene, lights[k]), seed, 40), "") << "light " << k;
+        EXPECT_EQ(check_points(scene, sets, k, Oracle(scene, lights[k]), seed, 40), "")
+            << "light " << k;
       }
     }
   }
@@ -304,11 +327,13 @@ TEST(Invariance, CombinedTakesMoreLightsThanAWordHasBits) {
   for (std::size_t v = 0; v < buffers.vertex_count(); v += 3) {
     if (buffers.faces()[v] != 0) continue;
     std::array<Vec3, 3> triangle;
-    for (std::size_t i = 0; i < 3; ++i) triangle[i] = Vec3(buffers.double_positions().data() + 3 * (v + i));
+    for (std::size_t i = 0; i < 3; ++i)
+      triangle[i] = Vec3(buffers.double_positions().data() + 3 * (v + i));
     for (std::size_t k = 0; k < 70; ++k)
       if (buffers.masks()[3 * v + k / 32] >> (k % 32) & 1) lit[k] += polygon_area(triangle);
   }
-  for (std::size_t k = 0; k < 70; ++k) EXPECT_NEAR(lit[k], engine.shadows(k).areas[0].lit, 64e-9) << "light " << k;
+  for (std::size_t k = 0; k < 70; ++k)
+    EXPECT_NEAR(lit[k], engine.shadows(k).areas[0].lit, 64e-9) << "light " << k;
 }
 
 // On chosen faces, it is that part of the whole, to the bit.
@@ -336,7 +361,8 @@ TEST(Invariance, CombinedOnChosenFaces) {
         if (!chosen[all.fragments[i].face]) continue;
         ASSERT_LT(at, part.fragments.size());
         EXPECT_EQ(part.fragments[at].facet, all.fragments[i].facet);
-        const auto got = part.corners_of(part.fragments[at]), wanted = all.corners_of(all.fragments[i]);
+        const auto got = part.corners_of(part.fragments[at]),
+                   wanted = all.corners_of(all.fragments[i]);
         EXPECT_TRUE(std::equal(got.begin(), got.end(), wanted.begin(), wanted.end()));
         EXPECT_EQ(part.lights[at], all.lights[i]);
         ++at;

@@ -1,5 +1,5 @@
-// See oracle.hpp. Doubles are used in one place only: to leave out pairs of facets that are clear of each other by a margin far above
-// rounding.
+// See oracle.hpp. Doubles are used in one place only: to leave out pairs of facets that are clear
+// of each other by a margin far above rounding.
 #include "oracle.hpp"
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
@@ -44,7 +44,8 @@ Polygon clip(const Polygon& in, const Value& value) {
   for (std::size_t i = 0; i < in.size(); ++i) {
     const std::size_t j = (i + 1) % in.size();
     if (at[i] >= 0) out.push_back(in[i]);
-    if (CGAL::sign(at[i]) * CGAL::sign(at[j]) < 0) out.push_back(in[i] + (in[j] - in[i]) * (at[i] / (at[i] - at[j])));
+    if (CGAL::sign(at[i]) * CGAL::sign(at[j]) < 0)
+      out.push_back(in[i] + (in[j] - in[i]) * (at[i] / (at[i] - at[j])));
   }
   return out;
 }
@@ -56,11 +57,13 @@ K::Point_2 plain(const K::Point_2& p) { return {FT(p.x().exact()), FT(p.y().exac
 
 FT area_of(const Flat& polygon) {
   FT twice = 0;
-  for (std::size_t i = 2; i < polygon.size(); ++i) twice += CGAL::determinant(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
+  for (std::size_t i = 2; i < polygon.size(); ++i)
+    twice += CGAL::determinant(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
   return twice / 2;
 }
 
-// Cuts `in` along the line from a to b. A side that holds nothing but points of the line comes out empty.
+// Cuts `in` along the line from a to b. A side that holds nothing but points of the line comes out
+// empty.
 void cut(const Flat& in, const K::Point_2& a, const K::Point_2& b, Flat& left, Flat& right) {
   left.clear();
   right.clear();
@@ -81,8 +84,9 @@ void cut(const Flat& in, const K::Point_2& a, const K::Point_2& b, Flat& left, F
   }
 }
 
-// The parts without the convex polygon `hole`. Parts that do not overlap it stay whole. (CGAL's own union of polygons failed an assertion
-// of its sweep where many edges coincide; cutting convex parts needs nothing but exact signs.)
+// The parts without the convex polygon `hole`. Parts that do not overlap it stay whole. (CGAL's own
+// union of polygons failed an assertion of its sweep where many edges coincide; cutting convex
+// parts needs nothing but exact signs.)
 std::vector<Flat> without(const std::vector<Flat>& parts, const Flat& hole) {
   std::vector<Flat> out, fresh;
   Flat rest, inside, outside;
@@ -117,7 +121,8 @@ double angle_to_segment(const Vec3& axis, const Vec3& a, const Vec3& b) {
   const Vec3 normal = a.cross(b);
   const Vec3 nearest = axis - normal * (axis.dot(normal) / normal.squaredNorm());
   double least = std::min(angle(a), angle(b));
-  if (a.cross(nearest).dot(normal) > 0 && nearest.cross(b).dot(normal) > 0) least = std::min(least, angle(nearest));
+  if (a.cross(nearest).dot(normal) > 0 && nearest.cross(b).dot(normal) > 0)
+    least = std::min(least, angle(nearest));
   return least;
 }
 
@@ -131,10 +136,15 @@ struct Oracle::Impl {
   K::Vector_3 travel;                  // directional light
   std::vector<Seen> seen;              // by facet
   std::vector<std::uint32_t> casters;  // facets
-  std::vector<char> reached;           // by face: 1 reached, 0 out of reach, 2 reached but nearly not, 3 the other way
+  // by face: 1 reached, 0 out of reach, 2 reached but nearly not, 3 the other way
+  std::vector<char> reached;
 
   Impl(const Scene& s, const Light& l, bool only_facing)
-      : scene(s), light(l), point_light(l.kind == Light::Kind::point), at(point(l.at)), travel(vector(l.at)) {
+      : scene(s),
+        light(l),
+        point_light(l.kind == Light::Kind::point),
+        at(point(l.at)),
+        travel(vector(l.at)) {
     for (std::uint32_t f = 0; f < scene.facets().size(); ++f) seen.push_back(see(f));
     for (const Face& face : scene.faces()) reached.push_back(reach(face));
     for (std::uint32_t f = 0; f < scene.facets().size(); ++f) {
@@ -142,11 +152,15 @@ struct Oracle::Impl {
       const Face& face = scene.faces()[scene.facets()[f].face];
       const Object& object = scene.objects()[face.object];
       const bool away = object.sides == Sides::closed && seen[f].facing < 0;
-      if (object.casts && seen[f].facing != 0 && reached[scene.facets()[f].face] % 2 == 1 && !(only_facing && away)) casters.push_back(f);
+      if (object.casts && seen[f].facing != 0 && reached[scene.facets()[f].face] % 2 == 1 &&
+          !(only_facing && away))
+        casters.push_back(f);
     }
   }
 
-  const Plane& plane(std::uint32_t facet) const { return scene.planes()[scene.facets()[facet].plane]; }
+  const Plane& plane(std::uint32_t facet) const {
+    return scene.planes()[scene.facets()[facet].plane];
+  }
 
   Seen see(std::uint32_t facet) const {
     Seen s;
@@ -168,7 +182,8 @@ struct Oracle::Impl {
     for (std::size_t i = 0; i < s.corners.size(); ++i) {
       const Vec3 &a = s.corners[i], &b = s.corners[(i + 1) % s.corners.size()];
       if (point_light) {
-        s.sides.push_back({(b - light.at).cross(a - light.at), light.at, (b - light.at).norm() * (a - light.at).norm()});
+        s.sides.push_back({(b - light.at).cross(a - light.at), light.at,
+                           (b - light.at).norm() * (a - light.at).norm()});
       } else {
         s.sides.push_back({(b - a).cross(light.at), a, (b - a).norm() * light.at.norm()});
       }
@@ -176,7 +191,8 @@ struct Oracle::Impl {
     return s;
   }
 
-  // Distance and angle of the nearest point of the face; convex facets, so either the foot of the perpendicular (the axis) or an edge.
+  // Distance and angle of the nearest point of the face; convex facets, so either the foot of the
+  // perpendicular (the axis) or an edge.
   char reach(const Face& face) const {
     if (!point_light || (std::isinf(light.range) && !light.spot)) return 1;
     double distance = std::numeric_limits<double>::infinity(), angle = distance;
@@ -196,9 +212,11 @@ struct Oracle::Impl {
       if (foot_inside) distance = std::min(distance, std::abs(height));
       if (axis_inside && axis.dot(s.normal) < 0) angle = 0;
     }
-    const double limit = light.spot ? light.spot->half_angle : std::numeric_limits<double>::infinity();
+    const double limit =
+        light.spot ? light.spot->half_angle : std::numeric_limits<double>::infinity();
     const bool inside = distance <= light.range && angle <= limit;
-    const bool near = std::abs(distance - light.range) <= 1e-9 * light.range || std::abs(angle - limit) <= 1e-9;
+    const bool near =
+        std::abs(distance - light.range) <= 1e-9 * light.range || std::abs(angle - limit) <= 1e-9;
     return static_cast<char>(inside ? (near ? 3 : 1) : (near ? 2 : 0));
   }
 
@@ -222,7 +240,9 @@ struct Oracle::Impl {
     });
   }
 
-  double tolerance(const Seen& f, const Seen& q) const { return contact_tolerance * std::max(f.extent, q.extent); }
+  double tolerance(const Seen& f, const Seen& q) const {
+    return contact_tolerance * std::max(f.extent, q.extent);
+  }
 
   bool may_shadow(const Seen& q, const Seen& f) const {
     const Facet &a = scene.facets()[q.facet], &b = scene.facets()[f.facet];
@@ -230,7 +250,9 @@ struct Oracle::Impl {
     const Plane& p = plane(f.facet);
     // Off its own plane a corner may be up to `flatness`, and the cone prolongs that.
     const double slack = -2 * tolerance(f, q) - 4 * plane(q.facet).flatness;
-    const bool behind = std::all_of(q.corners.begin(), q.corners.end(), [&](const Vec3& x) { return f.normal.dot(x - p.point) <= slack; });
+    const bool behind = std::all_of(q.corners.begin(), q.corners.end(), [&](const Vec3& x) {
+      return f.normal.dot(x - p.point) <= slack;
+    });
     return !behind && !clear(f, q) && !clear(q, f);
   }
 
@@ -241,24 +263,28 @@ struct Oracle::Impl {
     return polygon;
   }
 
-  // The part of q's shadow that falls on f, in f's plane; empty if there is none. touches: it is there only if contact casts.
+  // The part of q's shadow that falls on f, in f's plane; empty if there is none. touches: it is
+  // there only if contact casts.
   Polygon shadow(const Seen& q, const Seen& f, bool& touches) const {
     Polygon part = region(q);
     for (const Side& side : f.sides) {
       // Exactly, from the corners; side.normal is rounded.
       const std::size_t i = static_cast<std::size_t>(&side - f.sides.data());
       const Vec3 &a = f.corners[i], &b = f.corners[(i + 1) % f.corners.size()];
-      const K::Vector_3 n =
-          point_light ? CGAL::cross_product(point(b) - at, point(a) - at) : CGAL::cross_product(point(b) - point(a), travel);
+      const K::Vector_3 n = point_light ? CGAL::cross_product(point(b) - at, point(a) - at)
+                                        : CGAL::cross_product(point(b) - point(a), travel);
       const K::Point_3 base = point_light ? at : point(a);
       part = clip(part, [&](const K::Point_3& x) -> FT { return n * (x - base); });
       if (part.size() < 3) return {};
     }
     const Plane& p = plane(f.facet);
-    const auto height = [&](const K::Point_3& x) -> FT { return vector(f.normal) * (x - point(p.point)); };
+    const auto height = [&](const K::Point_3& x) -> FT {
+      return vector(f.normal) * (x - point(p.point));
+    };
     const double tol = tolerance(f, q);
     const auto all = [&](const Polygon& of, const auto& holds) {
-      return std::all_of(of.begin(), of.end(), [&](const K::Point_3& x) -> bool { return holds(height(x)); });
+      return std::all_of(of.begin(), of.end(),
+                         [&](const K::Point_3& x) -> bool { return holds(height(x)); });
     };
     const Polygon in_front = clip(part, height);
     touches = in_front.size() < 3 || all(in_front, [tol](const FT& h) { return h <= tol; });
@@ -273,7 +299,8 @@ struct Oracle::Impl {
     return part;
   }
 
-  // Without the coordinate along which the plane's normal is longest; counter-clockwise, without repeated corners. Empty if degenerate.
+  // Without the coordinate along which the plane's normal is longest; counter-clockwise, without
+  // repeated corners. Empty if degenerate.
   static Flat flattened(const Polygon& polygon, int axis) {
     Flat flat;
     for (const K::Point_3& x : polygon) {
@@ -296,10 +323,13 @@ struct Oracle::Impl {
       if (!may_shadow(seen[q], f)) continue;
       bool touches = false;
       Flat polygon = flattened(shadow(seen[q], f, touches), axis);
-      if (!polygon.empty()) (touches ? touching : shadows).emplace_back(CGAL::to_double(area_of(polygon)), std::move(polygon));
+      if (!polygon.empty())
+        (touches ? touching : shadows)
+            .emplace_back(CGAL::to_double(area_of(polygon)), std::move(polygon));
     }
     // Large ones first: fewer parts.
-    std::stable_sort(shadows.begin(), shadows.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::stable_sort(shadows.begin(), shadows.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
     const Flat whole = flattened(region(f), axis);
     std::vector<Flat> lit{whole};
     for (const auto& entry : shadows) lit = without(lit, entry.second);
@@ -315,7 +345,8 @@ struct Oracle::Impl {
 
   static double plain_area(const Seen& f) {
     Vec3 sum = Vec3::Zero();
-    for (std::size_t i = 2; i < f.corners.size(); ++i) sum += (f.corners[i - 1] - f.corners[0]).cross(f.corners[i] - f.corners[0]);
+    for (std::size_t i = 2; i < f.corners.size(); ++i)
+      sum += (f.corners[i - 1] - f.corners[0]).cross(f.corners[i] - f.corners[0]);
     return 0.5 * sum.norm();
   }
 
@@ -330,7 +361,8 @@ struct Oracle::Impl {
       const Seen& f = seen[face.first_facet + k];
       out.unsure = out.unsure || f.unsure;
       if (f.facing > 0 || (f.facing < 0 && !closed)) {
-        const auto [whole, lit, least] = reached[index] % 2 ? facet_areas(f) : std::array{0.0, 0.0, 0.0};
+        const auto [whole, lit, least] =
+            reached[index] % 2 ? facet_areas(f) : std::array{0.0, 0.0, 0.0};
         out.area += whole, out.lit += lit, out.least_lit += least;
         out.facing = Facing::toward;
       } else {
@@ -353,10 +385,12 @@ struct Oracle::Impl {
     const K::Point_3 target = point(x);
     for (std::size_t i = 0; i < q.corners.size(); ++i) {
       const K::Point_3 a = point(q.corners[i]), b = point(q.corners[(i + 1) % q.corners.size()]);
-      const K::Vector_3 n = point_light ? CGAL::cross_product(b - at, a - at) : CGAL::cross_product(b - a, travel);
+      const K::Vector_3 n =
+          point_light ? CGAL::cross_product(b - at, a - at) : CGAL::cross_product(b - a, travel);
       if (n * (target - (point_light ? at : a)) < 0) return Between::no;
     }
-    // q may be in contact with f's plane where the ray to x meets it; the normals are rounded, so on either side.
+    // q may be in contact with f's plane where the ray to x meets it; the normals are rounded, so
+    // on either side.
     const Plane& own = plane(f.facet);
     const FT height = vector(f.normal) * (project(target, p) - point(own.point));
     const double tol = tolerance(f, q);
@@ -380,14 +414,16 @@ struct Oracle::Impl {
   }
 };
 
-Oracle::Oracle(const Scene& scene, const Light& light, bool only_facing) : impl_(std::make_unique<Impl>(scene, light, only_facing)) {}
+Oracle::Oracle(const Scene& scene, const Light& light, bool only_facing)
+    : impl_(std::make_unique<Impl>(scene, light, only_facing)) {}
 Oracle::~Oracle() = default;
 
 Oracle::Area Oracle::area(std::uint32_t face) const { return impl_->area(face); }
 
 std::vector<Oracle::Area> Oracle::areas() const {
   std::vector<Area> all;
-  for (std::uint32_t face = 0; face < impl_->scene.faces().size(); ++face) all.push_back(area(face));
+  for (std::uint32_t face = 0; face < impl_->scene.faces().size(); ++face)
+    all.push_back(area(face));
   return all;
 }
 
@@ -397,6 +433,8 @@ bool Oracle::unsure(std::uint32_t facet) const {
 
 bool Oracle::lit(std::uint32_t facet, const Vec3& x) const { return impl_->lit(facet, x); }
 
-bool Oracle::in_contact(std::uint32_t facet, const Vec3& x) const { return impl_->any_between(facet, x, Impl::Between::in_contact); }
+bool Oracle::in_contact(std::uint32_t facet, const Vec3& x) const {
+  return impl_->any_between(facet, x, Impl::Between::in_contact);
+}
 
 }  // namespace shadowcut::testing

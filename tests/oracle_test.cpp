@@ -112,7 +112,8 @@ TEST(Oracle, PointsAgreeWithAreas) {
         ASSERT_GE(area.lit, -1e-12 * area.area);
         ASSERT_LE(area.lit, area.area * (1 + 1e-12));
         const auto corners = scene.corners_of(facet);
-        const Vec3 &a = scene.vertices()[corners[0].vertex], &b = scene.vertices()[corners[1].vertex];
+        const Vec3 &a = scene.vertices()[corners[0].vertex],
+                   &b = scene.vertices()[corners[1].vertex];
         const Vec3& d = scene.vertices()[corners[corners.size() - 1].vertex];
         int lit = 0, tried = 0;
         for (; tried < 60; ++tried) {
@@ -120,9 +121,13 @@ TEST(Oracle, PointsAgreeWithAreas) {
           if (corners.size() == 3 && u + v > 1) u = 1 - u, v = 1 - v;
           lit += oracle.lit(i, a + u * (b - a) + v * (d - a));
         }
-        // Every random quadrilateral here is a parallelogram, so the points are even over the face; five standard deviations.
-        const double share = std::clamp(area.lit / area.area, 0.0, 1.0), spread = std::sqrt(share * (1 - share) * tried);
-        EXPECT_NEAR(lit, share * tried, 5 * spread + 1e-6 + (share > 1e-6 && share < 1 - 1e-6 ? 2 : 0)) << "face " << facet.face;
+        // Every random quadrilateral here is a parallelogram, so the points are even over the face;
+        // five standard deviations.
+        const double share = std::clamp(area.lit / area.area, 0.0, 1.0),
+                     spread = std::sqrt(share * (1 - share) * tried);
+        EXPECT_NEAR(lit, share * tried,
+                    5 * spread + 1e-6 + (share > 1e-6 && share < 1 - 1e-6 ? 2 : 0))
+            << "face " << facet.face;
       }
     }
   }

@@ -1,4 +1,5 @@
-// Loops and threads of src/core, and what ThreadSanitizer sees of them: a race between two bodies, and nothing where there is none.
+// Loops and threads of src/core, and what ThreadSanitizer sees of them: a race between two bodies,
+// and nothing where there is none.
 
 #include "parallel.hpp"
 
@@ -18,7 +19,9 @@ using namespace shadowcut;
 
 namespace {
 
-void pause(int microseconds) { std::this_thread::sleep_for(std::chrono::microseconds(microseconds)); }
+void pause(int microseconds) {
+  std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
+}
 
 }  // namespace
 
@@ -29,7 +32,8 @@ TEST(Parallel, EveryIndexOnce) {
       for (const std::size_t grain : {1u, 16u, 5000u}) {
         std::vector<int> calls(size, 0);
         threads.run([&] { parallel_for(size, grain, [&](std::size_t i) { ++calls[i]; }); });
-        EXPECT_EQ(std::count(calls.begin(), calls.end(), 1), static_cast<std::ptrdiff_t>(size)) << count << " threads, grain " << grain;
+        EXPECT_EQ(std::count(calls.begin(), calls.end(), 1), static_cast<std::ptrdiff_t>(size))
+            << count << " threads, grain " << grain;
       }
     }
   }
@@ -85,7 +89,9 @@ TEST(Parallel, MoreCallersThanPlaces) {
     callers.emplace_back([&] {
       for (int round = 0; round < 20; ++round) {
         std::vector<int> values(100, 0);
-        threads.run([&] { parallel_for(values.size(), 1, [&](std::size_t i) { values[i] = 1, pause(5); }); });
+        threads.run([&] {
+          parallel_for(values.size(), 1, [&](std::size_t i) { values[i] = 1, pause(5); });
+        });
         sum = std::accumulate(values.begin(), values.end(), sum);
       }
     });

@@ -1,6 +1,7 @@
-// The laws of src/core/exact.hpp, one by one, against rational numbers: on random input, and on input made degenerate and then nudged by
-// ulps. SHADOWCUT_SOAK=n asks for about n signs instead of some hundred thousand, SHADOWCUT_SEED=k for others,
-// SHADOWCUT_CASE=seed for those of a single case.
+// The laws of src/core/exact.hpp, one by one, against rational numbers: on random input, and on
+// input made degenerate and then nudged by ulps. SHADOWCUT_SOAK=n asks for about n signs instead of
+// some hundred thousand, SHADOWCUT_SEED=k for others, SHADOWCUT_CASE=seed for those of a single
+// case.
 #include <gmpxx.h>
 #include <gtest/gtest.h>
 
@@ -20,11 +21,14 @@ using scenes::Random;
 
 Triple triple(const Vec3& v) { return {Number(v[0]), Number(v[1]), Number(v[2])}; }
 Triple minus(const Triple& a, const Triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Triple cross(const Triple& a, const Triple& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+Triple cross(const Triple& a, const Triple& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 Number dot(const Triple& a, const Triple& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 double nudged(Random& random, double x) {
-  for (std::uint64_t n = random.below(4); n > 0; --n) x = std::nextafter(x, random.below(2) == 0 ? -INFINITY : INFINITY);
+  for (std::uint64_t n = random.below(4); n > 0; --n)
+    x = std::nextafter(x, random.below(2) == 0 ? -INFINITY : INFINITY);
   return x;
 }
 
@@ -35,12 +39,17 @@ struct Case {
 
   Case(Random& random, double scale) {
     const bool on_grid = random.below(2) == 0;
-    const auto coordinate = [&] { return on_grid ? static_cast<double>(random.below(5)) : random.in(-2, 2); };
+    const auto coordinate = [&] {
+      return on_grid ? static_cast<double>(random.below(5)) : random.in(-2, 2);
+    };
     const auto any = [&] { return Vec3(coordinate(), coordinate(), coordinate()); };
-    light = random.below(3) == 0 ? Light::directional(any() - Vec3(2, 2, 2.5)) : Light::point(any());
+    light =
+        random.below(3) == 0 ? Light::directional(any() - Vec3(2, 2, 2.5)) : Light::point(any());
     for (int i = 0; i < 4; ++i) points.push_back(any());
     points.push_back(0.5 * (points[0] + points[1]));
-    points.push_back(0.25 * points[2] + 0.75 * (light.kind == Light::Kind::point ? light.at : Vec3(points[2] + light.at)));
+    points.push_back(0.25 * points[2] + 0.75 * (light.kind == Light::Kind::point
+                                                    ? light.at
+                                                    : Vec3(points[2] + light.at)));
     for (Vec3& p : points) {
       if (random.below(2) == 0) p = p.unaryExpr([&](double x) { return nudged(random, x); });
       p *= scale;
@@ -62,13 +71,16 @@ struct Case {
   Triple from_light(const Vec3& x) const { return minus(triple(x), triple(light.at)); }
   // What light, a, b and x span.
   int volume(const Vec3& a, const Vec3& b, const Vec3& x) const {
-    if (light.kind == Light::Kind::point) return sgn(dot(cross(from_light(a), from_light(b)), from_light(x)));
-    return sgn(dot(triple(light.at), cross(minus(triple(b), triple(a)), minus(triple(x), triple(a)))));
+    if (light.kind == Light::Kind::point)
+      return sgn(dot(cross(from_light(a), from_light(b)), from_light(x)));
+    return sgn(
+        dot(triple(light.at), cross(minus(triple(b), triple(a)), minus(triple(x), triple(a)))));
   }
   // The sign with which the light space's frame shows it.
   int handed() const {
     const LightSpace::Frame f = space().frame();
-    return light.kind == Light::Kind::point ? (f.far && f.sign < 0 ? -1 : 1) : (f.sign > 0 ? 1 : -1);
+    return light.kind == Light::Kind::point ? (f.far && f.sign < 0 ? -1 : 1)
+                                            : (f.sign > 0 ? 1 : -1);
   }
   Plane plane(std::size_t i, std::size_t j, std::size_t k) const {
     Plane p{};
@@ -103,8 +115,10 @@ void check_volumes(const Case& c) {
   const ExactLight exact = c.exact();
   const int handed = c.handed();
   for (const Vec3& x : c.points) {
-    EXPECT_EQ(exact.side(edge(c.points[0], c.points[1]), at(x)), handed * c.volume(c.points[0], c.points[1], x));
-    EXPECT_EQ(exact.side(edge(c.points[2], c.points[4]), at(x)), handed * c.volume(c.points[2], c.points[4], x));
+    EXPECT_EQ(exact.side(edge(c.points[0], c.points[1]), at(x)),
+              handed * c.volume(c.points[0], c.points[1], x));
+    EXPECT_EQ(exact.side(edge(c.points[2], c.points[4]), at(x)),
+              handed * c.volume(c.points[2], c.points[4], x));
   }
 }
 
@@ -127,7 +141,8 @@ TEST(Predicates, Law3TurningAnEdgeRound) {
   for_cases(1, [](const Case& c, Random&) {
     const ExactLight exact = c.exact();
     for (const Vec3& x : c.points)
-      EXPECT_EQ(exact.side(edge(c.points[0], c.points[1]), at(x)), -exact.side(edge(c.points[1], c.points[0]), at(x)));
+      EXPECT_EQ(exact.side(edge(c.points[0], c.points[1]), at(x)),
+                -exact.side(edge(c.points[1], c.points[0]), at(x)));
   });
 }
 
@@ -172,15 +187,18 @@ TEST(Predicates, Law5PowersOfTwoAndExactMovesChangeNothing) {
     const LightLine l = edge(c.points[0], c.points[1]);
     for (std::size_t i = 0; i < c.points.size(); ++i) {
       const int sign = exact.side(l, at(c.points[i]));
-      EXPECT_EQ(sign, larger.exact().side(edge(larger.points[0], larger.points[1]), at(larger.points[i])));
+      EXPECT_EQ(sign, larger.exact().side(edge(larger.points[0], larger.points[1]),
+                                          at(larger.points[i])));
       if (!is_exact) continue;
-      EXPECT_EQ(sign, moved.exact().side(edge(moved.points[0], moved.points[1]), at(moved.points[i])));
+      EXPECT_EQ(sign,
+                moved.exact().side(edge(moved.points[0], moved.points[1]), at(moved.points[i])));
     }
   });
 }
 
 TEST(Predicates, Law6AtAnyMagnitude) {
-  for (const double scale : {1e-300, 1e-30, 1e30, 1e150}) for_cases(scale, [](const Case& c, Random&) { check_volumes(c); });
+  for (const double scale : {1e-300, 1e-30, 1e30, 1e150})
+    for_cases(scale, [](const Case& c, Random&) { check_volumes(c); });
 }
 
 void check_point(const Case& c) {
@@ -189,7 +207,8 @@ void check_point(const Case& c) {
   const Plane p = c.plane(0, 2, 3);
   exact.note_normal(p.exact_normal);
   const LightLine l = edge(c.points[0], c.points[1]), m = edge(c.points[2], c.points[4]);
-  const Triple r = cross(cross(c.from_light(l.v[0]), c.from_light(l.v[1])), cross(c.from_light(m.v[0]), c.from_light(m.v[1])));
+  const Triple r = cross(cross(c.from_light(l.v[0]), c.from_light(l.v[1])),
+                         cross(c.from_light(m.v[0]), c.from_light(m.v[1])));
   const Triple n = triple(p.exact_normal);
   const Number along = dot(n, r);
   if (along == 0) return;
@@ -203,14 +222,17 @@ void check_point(const Case& c) {
       EXPECT_TRUE(std::abs(got) >= std::numeric_limits<double>::max());
       continue;
     }
-    ASSERT_TRUE(std::isfinite(got)) << "coordinate " << i << " is " << is.get_d() << ", came out as " << got;
-    EXPECT_TRUE(is >= Number(std::nextafter(got, -INFINITY)) && is <= Number(std::nextafter(got, INFINITY)))
+    ASSERT_TRUE(std::isfinite(got))
+        << "coordinate " << i << " is " << is.get_d() << ", came out as " << got;
+    EXPECT_TRUE(is >= Number(std::nextafter(got, -INFINITY)) &&
+                is <= Number(std::nextafter(got, INFINITY)))
         << "coordinate " << i << " is " << is.get_d() << ", came out as " << got;
   }
 }
 
 TEST(Predicates, Law7PointsAreWithinOneUlp) {
-  for (const double scale : {1.0, 1e-30, 1e30}) for_cases(scale, [](const Case& c, Random&) { check_point(c); });
+  for (const double scale : {1.0, 1e-30, 1e30})
+    for_cases(scale, [](const Case& c, Random&) { check_point(c); });
 }
 
 // Coordinate 0 is -2^51, exactly, and its numerator has 1 400 digits in base two.

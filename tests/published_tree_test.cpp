@@ -1,8 +1,9 @@
-// The published tree against the engine's exact kernel: after the build and after every edit, with each way of joining, every face's lit
-// area. A failure names scene, seed, joining and step.
+// The published tree against the engine's exact kernel: after the build and after every edit, with
+// each way of joining, every face's lit area. A failure names scene, seed, joining and step.
 //
-// Its limits (src/compare/published_tree.hpp): one epsilon and no exact signs. Faces that are apart by the last bits only shadow each other
-// to the exact kernel and touch to an epsilon; there the fast kernel is asked, which calls that contact too.
+// Its limits (src/compare/published_tree.hpp): one epsilon and no exact signs. Faces that are apart
+// by the last bits only shadow each other to the exact kernel and touch to an epsilon; there the
+// fast kernel is asked, which calls that contact too.
 #include "compare/published_tree.hpp"
 
 #include <gtest/gtest.h>
@@ -34,8 +35,8 @@ Shadows cast(const Scene& scene, Kernel kernel) {
   return cast_shadows(scene, scene.lights()[0], options);
 }
 
-// Every face against the exact kernel. Where that differs, the fast kernel must not: what is apart by a last bit is contact to both of
-// them.
+// Every face against the exact kernel. Where that differs, the fast kernel must not: what is apart
+// by a last bit is contact to both of them.
 std::string check_tree(const Scene& scene, const PublishedTree& tree) {
   if (const std::string what = tree.validate(); !what.empty()) return what;
   const Shadows exact = cast(scene, Kernel::exact);
@@ -49,8 +50,9 @@ std::string check_tree(const Scene& scene, const PublishedTree& tree) {
     if (!differs(exact, f)) continue;
     if (!fast) fast = cast(scene, Kernel::fast);
     if (!differs(*fast, f)) continue;
-    what += text("face ", f, " of ", scene.objects()[scene.faces()[f].object].name, ", ", scene.faces()[f].object, ": lit ", lit[f],
-                 ", should be ", exact.areas[f].lit, " of ", exact.areas[f].area, "\n");
+    what += text("face ", f, " of ", scene.objects()[scene.faces()[f].object].name, ", ",
+                 scene.faces()[f].object, ": lit ", lit[f], ", should be ", exact.areas[f].lit,
+                 " of ", exact.areas[f].area, "\n");
   }
   return what;
 }
@@ -64,7 +66,8 @@ struct Editor {
   Random random;
   double grid;
 
-  Editor(const SceneData& data, std::uint64_t seed, double g) : given(data.objects), random(seed * 77 + 5), grid(g) {
+  Editor(const SceneData& data, std::uint64_t seed, double g)
+      : given(data.objects), random(seed * 77 + 5), grid(g) {
     for (auto& [mesh, settings] : given) {
       if (random.below(12) == 0) settings.casts = false;
       if (random.below(12) == 0) settings.receives = false;
@@ -103,7 +106,8 @@ struct Editor {
   }
 };
 
-void run_history(const SceneData& data, std::uint64_t seed, Joining joining, int steps, double grid) {
+void run_history(const SceneData& data, std::uint64_t seed, Joining joining, int steps,
+                 double grid) {
   Editor editor(data, seed, grid);
   PublishedTree tree(editor.scene, editor.scene.lights()[0], joining);
   const std::string where = text(data.name, ", seed ", seed, ", ", compare::name_of(joining));
@@ -132,12 +136,14 @@ INSTANTIATE_TEST_SUITE_P(Kinds, PublishedTreeTest, ::testing::ValuesIn(kAllKinds
 class PublishedTreeSceneTest : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(PublishedTreeSceneTest, AgreesWithTheEngineAfterEveryEdit) {
-  for (const Joining joining : kAllJoinings) run_history(scenes::named(GetParam()), 1, joining, 40, 0.125);
+  for (const Joining joining : kAllJoinings)
+    run_history(scenes::named(GetParam()), 1, joining, 40, 0.125);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, PublishedTreeSceneTest,
-                         ::testing::Values("room:1", "room:4", "furnished_room", "tetrahedron:3", "city:8", "spheres:5,12,8",
-                                           "triangles:200", "branch:3"));
+                         ::testing::Values("room:1", "room:4", "furnished_room", "tetrahedron:3",
+                                           "city:8", "spheres:5,12,8", "triangles:200",
+                                           "branch:3"));
 
 }  // namespace
 }  // namespace shadowcut::testing

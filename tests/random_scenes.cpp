@@ -18,7 +18,9 @@ void add(SceneData& data, Mesh mesh, const char* what, const Pose& pose = Pose::
   data.objects.emplace_back(std::move(mesh), std::move(settings));
 }
 
-double whole(Random& random, int lo, int hi) { return lo + static_cast<double>(random.below(static_cast<std::uint64_t>(hi - lo + 1))); }
+double whole(Random& random, int lo, int hi) {
+  return lo + static_cast<double>(random.below(static_cast<std::uint64_t>(hi - lo + 1)));
+}
 
 Vec3 grid_point(Random& random, int lo, int hi) {
   const double x = whole(random, lo, hi), y = whole(random, lo, hi), z = whole(random, lo, hi);
@@ -27,7 +29,8 @@ Vec3 grid_point(Random& random, int lo, int hi) {
 
 // Full-range doubles, not multiples of anything.
 Vec3 any_point(Random& random, double lo, double hi) {
-  const double x = lo + (hi - lo) * random.unit(), y = lo + (hi - lo) * random.unit(), z = lo + (hi - lo) * random.unit();
+  const double x = lo + (hi - lo) * random.unit(), y = lo + (hi - lo) * random.unit(),
+               z = lo + (hi - lo) * random.unit();
   return {x, y, z};
 }
 
@@ -49,7 +52,8 @@ void add_soup(SceneData& data, Random& random) {
   const std::uint64_t n = 3 + random.below(14);
   if (random.below(2) == 0) add_ground(data, 3);
   for (std::uint64_t k = 0; k < n; ++k) {
-    const Vec3 a = any_point(random, -1, 1) + Vec3(0, 0, 1), b = a + any_point(random, -1, 1), c = a + any_point(random, -1, 1);
+    const Vec3 a = any_point(random, -1, 1) + Vec3(0, 0, 1), b = a + any_point(random, -1, 1),
+               c = a + any_point(random, -1, 1);
     add(data, sheet(a, b, c, random.below(2) == 0), "sheet");
   }
 }
@@ -57,7 +61,8 @@ void add_soup(SceneData& data, Random& random) {
 void add_grid_soup(SceneData& data, Random& random) {
   const std::uint64_t n = 2 + random.below(12);
   for (std::uint64_t k = 0; k < n; ++k) {
-    const Vec3 a = grid_point(random, 0, 3), b = grid_point(random, 0, 3), c = grid_point(random, 0, 3);
+    const Vec3 a = grid_point(random, 0, 3), b = grid_point(random, 0, 3),
+               c = grid_point(random, 0, 3);
     if ((b - a).cross(c - a).norm() > 0.5) add(data, sheet(a, b, c, random.below(2) == 0), "sheet");
   }
   if (data.objects.empty()) add_ground(data, 2);
@@ -68,7 +73,8 @@ Mesh tetrahedron(const std::array<Vec3, 4>& p) {
   mesh.vertices.assign(p.begin(), p.end());
   const bool turned = (p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]) < 0;
   if (turned) std::swap(mesh.vertices[0], mesh.vertices[1]);
-  for (const std::array<std::uint32_t, 3>& t : {std::array{0u, 2u, 1u}, {0u, 1u, 3u}, {1u, 2u, 3u}, {2u, 0u, 3u}})
+  for (const std::array<std::uint32_t, 3>& t :
+       {std::array{0u, 2u, 1u}, {0u, 1u, 3u}, {1u, 2u, 3u}, {2u, 0u, 3u}})
     mesh.add_face({t[0], t[1], t[2]});
   return mesh;
 }
@@ -80,7 +86,8 @@ void add_solids(SceneData& data, Random& random) {
     const Vec3 at = any_point(random, -1, 1) + Vec3(0, 0, 1.5);
     std::array<Vec3, 4> p;
     for (Vec3& v : p) v = at + any_point(random, -1, 1);
-    if (std::abs((p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0])) > 0.05) add(data, tetrahedron(p), "solid");
+    if (std::abs((p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0])) > 0.05)
+      add(data, tetrahedron(p), "solid");
   }
 }
 
@@ -91,7 +98,8 @@ Mesh grid_box(Random& random, int size) {
 }
 
 void add_grid_boxes(SceneData& data, Random& random) {
-  if (random.below(2) == 0) add(data, scenes::rectangle({-1, -1, 0}, {9, 0, 0}, {0, 9, 0}), "ground");
+  if (random.below(2) == 0)
+    add(data, scenes::rectangle({-1, -1, 0}, {9, 0, 0}, {0, 9, 0}), "ground");
   const std::uint64_t n = 1 + random.below(7);
   for (std::uint64_t k = 0; k < n; ++k) add(data, grid_box(random, 4), "box");
 }
@@ -109,7 +117,10 @@ void add_turned_boxes(SceneData& data, Random& random) {
     for (std::uint64_t i = 0; i < high; ++i) {
       const double top = z + 0.2 + 0.5 * random.unit();
       const double inset = 0.1 * static_cast<double>(i * random.below(2));
-      add(data, scenes::box({lo.x() + inset, lo.y() + inset, z}, {lo.x() + 1 - inset, lo.y() + 0.8 - inset, top}), "box", pose);
+      add(data,
+          scenes::box({lo.x() + inset, lo.y() + inset, z},
+                      {lo.x() + 1 - inset, lo.y() + 0.8 - inset, top}),
+          "box", pose);
       z = top;
     }
   }
@@ -123,7 +134,18 @@ Mesh outline(Random& random) {
   };
   switch (random.below(4)) {
     case 0:
-      vertices({{0, 0}, {5, 0}, {5, 3}, {4, 3}, {4, 1}, {3, 1}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}});
+      vertices({{0, 0},
+                {5, 0},
+                {5, 3},
+                {4, 3},
+                {4, 1},
+                {3, 1},
+                {3, 3},
+                {2, 3},
+                {2, 1},
+                {1, 1},
+                {1, 3},
+                {0, 3}});
       mesh.add_face({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
       break;
     case 1: {
@@ -134,7 +156,8 @@ Mesh outline(Random& random) {
       break;
     }
     case 2: {
-      vertices({{0, 0}, {6, 0}, {6, 4}, {3, 5}, {0, 4}, {1, 1}, {2, 2}, {1, 3}, {4, 1}, {5, 1}, {5, 3}});
+      vertices(
+          {{0, 0}, {6, 0}, {6, 4}, {3, 5}, {0, 4}, {1, 1}, {2, 2}, {1, 3}, {4, 1}, {5, 1}, {5, 3}});
       mesh.add_face({0, 1, 2, 3, 4});
       constexpr std::array<std::uint32_t, 3> left{5, 6, 7}, right{8, 9, 10};
       mesh.add_hole(left);
@@ -162,7 +185,8 @@ void add_outlines(SceneData& data, Random& random) {
   }
 }
 
-// Tiles of one plane spanned by whole vectors; posters lie upon them, a fence of upright faces stands on their edges.
+// Tiles of one plane spanned by whole vectors; posters lie upon them, a fence of upright faces
+// stands on their edges.
 void add_tiles(SceneData& data, Random& random) {
   const Vec3 u = grid_point(random, -2, 2), v = grid_point(random, -2, 2);
   if (u.cross(v).norm() < 0.5) return add_grid_soup(data, random);
@@ -174,7 +198,8 @@ void add_tiles(SceneData& data, Random& random) {
   }
   const Vec3 up = grid_point(random, -2, 2);
   if (std::abs(up.dot(u.cross(v))) < 0.5) return;
-  for (std::uint64_t k = random.below(3); k > 0; --k) add(data, scenes::rectangle(whole(random, 0, 2) * u, v, up), "fence");
+  for (std::uint64_t k = random.below(3); k > 0; --k)
+    add(data, scenes::rectangle(whole(random, 0, 2) * u, v, up), "fence");
 }
 
 void add_room(SceneData& data, Random& random) {
@@ -189,16 +214,19 @@ void add_room(SceneData& data, Random& random) {
   const std::uint64_t n = 1 + random.below(5);
   for (std::uint64_t k = 0; k < n; ++k) {
     const double x = 0.1 * whole(random, 0, 40), y = 0.1 * whole(random, 0, 30);
-    const double w = 0.1 * whole(random, 1, 20), d = 0.1 * whole(random, 1, 20), h = 0.1 * whole(random, 1, 15);
+    const double w = 0.1 * whole(random, 1, 20), d = 0.1 * whole(random, 1, 20),
+                 h = 0.1 * whole(random, 1, 15);
     add(data, scenes::box({x, y, 0}, {x + w, y + d, h}), "desk");
-    if (random.below(2) == 0) add(data, scenes::box({x, y, h}, {x + w / 2, y + d / 2, h + 0.3}), "thing");
+    if (random.below(2) == 0)
+      add(data, scenes::box({x, y, h}, {x + w / 2, y + d / 2, h + 0.3}), "thing");
   }
 }
 
 }  // namespace
 
 const char* name_of(Kind kind) {
-  constexpr std::array<const char*, 8> names{"soup", "grid_soup", "solids", "grid_boxes", "turned_boxes", "outlines", "tiles", "room"};
+  constexpr std::array<const char*, 8> names{"soup",         "grid_soup", "solids", "grid_boxes",
+                                             "turned_boxes", "outlines",  "tiles",  "room"};
   return names[static_cast<std::size_t>(kind)];
 }
 
@@ -223,7 +251,8 @@ Light random_light(Kind kind, Random& random) {
       return Light::point(Vec3(3, 2.5, 2.5) + Vec3(any_point(random, -0.4, 0.4)));
     default: {
       if (sun) return Light::directional(any_point(random, -1, 1) - Vec3(0, 0, 1.2));
-      return Light::point(random.below(4) == 0 ? any_point(random, -1, 1) + Vec3(0, 0, 1) : any_point(random, -3, 3) + Vec3(0, 0, 7));
+      return Light::point(random.below(4) == 0 ? any_point(random, -1, 1) + Vec3(0, 0, 1)
+                                               : any_point(random, -3, 3) + Vec3(0, 0, 7));
     }
   }
 }
@@ -264,7 +293,8 @@ SceneData random_scene(Kind kind, std::uint64_t seed) {
 
 SceneData scaled(const SceneData& data, double factor, const Vec3& shift) {
   SceneData out = data;
-  for (auto& object : out.objects) object.second.pose = Eigen::Translation3d(shift) * Eigen::Scaling(factor) * object.second.pose;
+  for (auto& object : out.objects)
+    object.second.pose = Eigen::Translation3d(shift) * Eigen::Scaling(factor) * object.second.pose;
   if (out.light.kind == Light::Kind::point) out.light.at = factor * out.light.at + shift;
   return out;
 }

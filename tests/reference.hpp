@@ -13,8 +13,9 @@ struct ReferenceScene {
   std::string path;  // of its OBJ
   Light light;
 };
-void PrintTo(const ReferenceScene& scene, std::ostream* out);                  // for GoogleTest
-std::vector<ReferenceScene> reference_scenes(const std::string& data_folder);  // those of scenes.json
+void PrintTo(const ReferenceScene& scene, std::ostream* out);  // for GoogleTest
+// those of scenes.json
+std::vector<ReferenceScene> reference_scenes(const std::string& data_folder);
 
 struct ReferenceArea {
   std::string light, object;

@@ -1,5 +1,5 @@
-// Writes the reference areas of the shipped scenes: reference_areas DATA_FOLDER. A row for each face, from the exact oracle; takes a
-// minute.
+// Writes the reference areas of the shipped scenes: reference_areas DATA_FOLDER. A row for each
+// face, from the exact oracle; takes a minute.
 #include <charconv>
 #include <cstdio>
 #include <fstream>
@@ -23,8 +23,8 @@ std::string table(const shadowcut::Scene& scene, const shadowcut::Light& light) 
     const auto area = oracle.area(i);
     if (area.unsure) std::cerr << "face " << i << ": the light is within 1e-9 of its plane\n";
     const shadowcut::Face& face = scene.faces()[i];
-    text += "0," + scene.objects()[face.object].name + "," + std::to_string(face.number) + "," + digits(area.area) + "," +
-            digits(area.lit) + "\n";
+    text += "0," + scene.objects()[face.object].name + "," + std::to_string(face.number) + "," +
+            digits(area.area) + "," + digits(area.lit) + "\n";
   }
   return text;
 }

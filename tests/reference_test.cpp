@@ -19,8 +19,10 @@ void compare(const Scene& scene, const Shadows& shadows, const std::vector<Refer
     const Face& face = scene.faces()[i];
     ASSERT_EQ(rows[i].object, scene.objects()[face.object].name);
     ASSERT_EQ(rows[i].face, face.number);
-    EXPECT_NEAR(shadows.areas[i].area, rows[i].area, kAreaTolerance * rows[i].area) << rows[i].object << " face " << face.number;
-    EXPECT_NEAR(shadows.areas[i].lit, rows[i].lit, kAreaTolerance * rows[i].area) << rows[i].object << " face " << face.number;
+    EXPECT_NEAR(shadows.areas[i].area, rows[i].area, kAreaTolerance * rows[i].area)
+        << rows[i].object << " face " << face.number;
+    EXPECT_NEAR(shadows.areas[i].lit, rows[i].lit, kAreaTolerance * rows[i].area)
+        << rows[i].object << " face " << face.number;
   }
 }
 

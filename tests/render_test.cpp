@@ -1,5 +1,6 @@
-// Pictures of every technique against one made by a ray for every pixel, in doubles and without a tree: they differ only within a pixel of
-// the edge of a face or a shadow. And, named for what is wrong, the cases in which a published method is wrong by design.
+// Pictures of every technique against one made by a ray for every pixel, in doubles and without a
+// tree: they differ only within a pixel of the edge of a face or a shadow. And, named for what is
+// wrong, the cases in which a published method is wrong by design.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +22,8 @@ using scenes::SceneData;
 
 constexpr int width = 200, height = 150;
 
-// A facet as seen from one point, or along one direction: the planes through its edges, and its own.
+// A facet as seen from one point, or along one direction: the planes through its edges, and its
+// own.
 struct Seen {
   std::uint32_t facet;
   std::vector<Vec3> sides;  // positive inside
@@ -35,7 +37,8 @@ struct Group {
   Vec3 centre;
   double radius;
   bool near_line(const Vec3& x, const Vec3& along) const {
-    return (centre - x).cross(along).squaredNorm() <= 1.0001 * radius * radius * along.squaredNorm();
+    return (centre - x).cross(along).squaredNorm() <=
+           1.0001 * radius * radius * along.squaredNorm();
   }
 };
 
@@ -58,13 +61,17 @@ std::vector<Seen> facets_seen_from(const Scene& scene, const Light& viewer, bool
   for (std::uint32_t f = 0; f < scene.facets().size(); ++f) {
     const Object& object = scene.objects()[scene.faces()[scene.facets()[f].face].object];
     const Plane& plane = scene.planes()[scene.facets()[f].plane];
-    const auto ray = [&](const Vec3& x) { return viewer.kind == Light::Kind::point ? Vec3(x - viewer.at) : viewer.at; };
+    const auto ray = [&](const Vec3& x) {
+      return viewer.kind == Light::Kind::point ? Vec3(x - viewer.at) : viewer.at;
+    };
     const double away = plane.normal.dot(ray(plane.point));
-    if (casting && (!object.casts || away == 0 || (away > 0 && object.sides == Sides::closed))) continue;
+    if (casting && (!object.casts || away == 0 || (away > 0 && object.sides == Sides::closed)))
+      continue;
     Seen seen{f, {}, plane.normal, plane.normal.dot(plane.point)};
     const auto corners = scene.corners_of(scene.facets()[f]);
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      const Vec3 &a = scene.vertices()[corners[i].vertex], &b = scene.vertices()[corners[(i + 1) % corners.size()].vertex];
+      const Vec3 &a = scene.vertices()[corners[i].vertex],
+                 &b = scene.vertices()[corners[(i + 1) % corners.size()].vertex];
       seen.sides.push_back(((b - a).cross(ray(a))) * (away > 0 ? -1 : 1));
     }
     all.push_back(std::move(seen));
@@ -74,11 +81,14 @@ std::vector<Seen> facets_seen_from(const Scene& scene, const Light& viewer, bool
 
 SeenFacets seen_from(const Scene& scene, const Light& viewer, bool casting) {
   SeenFacets seen{facets_seen_from(scene, viewer, casting), {}};
-  const auto object_of = [&](std::size_t i) { return scene.faces()[scene.facets()[seen.facets[i].facet].face].object; };
+  const auto object_of = [&](std::size_t i) {
+    return scene.faces()[scene.facets()[seen.facets[i].facet].face].object;
+  };
   for (std::size_t first = 0, end = 0; first < seen.facets.size(); first = end) {
     Eigen::AlignedBox3d box;
     for (; end < seen.facets.size() && object_of(end) == object_of(first); ++end)
-      for (const Corner& corner : scene.corners_of(scene.facets()[seen.facets[end].facet])) box.extend(scene.vertices()[corner.vertex]);
+      for (const Corner& corner : scene.corners_of(scene.facets()[seen.facets[end].facet]))
+        box.extend(scene.vertices()[corner.vertex]);
     seen.groups.push_back({first, end, box.center(), box.diagonal().norm() / 2});
   }
   return seen;
@@ -88,7 +98,8 @@ SeenFacets seen_from(const Scene& scene, const Light& viewer, bool casting) {
 bool through(const Seen& seen, const Scene& scene, const Light& viewer, const Vec3& x) {
   const auto corners = scene.corners_of(scene.facets()[seen.facet]);
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3 from = viewer.kind == Light::Kind::point ? viewer.at : scene.vertices()[corners[i].vertex];
+    const Vec3 from =
+        viewer.kind == Light::Kind::point ? viewer.at : scene.vertices()[corners[i].vertex];
     if (seen.sides[i].dot(x - from) <= 0) return false;
   }
   return true;
@@ -105,13 +116,17 @@ struct Pixel {
 class RayPicture {
  public:
   RayPicture(const Scene& scene, const Camera& camera)
-      : scene_(scene), camera_(camera), eye_(Light::point(camera.eye)), faces_(seen_from(scene, eye_, false)) {
+      : scene_(scene),
+        camera_(camera),
+        eye_(Light::point(camera.eye)),
+        faces_(seen_from(scene, eye_, false)) {
     for (const Light& light : scene.lights()) casters_.push_back(seen_from(scene, light, true));
     const Pose world = camera.view().inverse(Eigen::Isometry);
     const double high = std::tan(camera.fov / 2), wide = high * width / height;
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
-        pixels_.push_back(look(world.linear() * Vec3(wide * (2 * (x + 0.5) / width - 1), high * (1 - 2 * (y + 0.5) / height), -1)));
+        pixels_.push_back(look(world.linear() * Vec3(wide * (2 * (x + 0.5) / width - 1),
+                                                     high * (1 - 2 * (y + 0.5) / height), -1)));
     for (const Seen& seen : faces_.facets) mark_if_thin(seen.facet);
   }
 
@@ -122,14 +137,17 @@ class RayPicture {
     for (int j = std::max(y - reach, 0); j <= std::min(y + reach, height - 1); ++j) {
       for (int i = std::max(x - reach, 0); i <= std::min(x + reach, width - 1); ++i) {
         const bool near = std::abs(i - x) <= 1 && std::abs(j - y) <= 1;
-        if (at(i, j).lit != at(x, y).lit || (near && (at(i, j).facet != at(x, y).facet || at(i, j).ambiguous))) return true;
+        if (at(i, j).lit != at(x, y).lit ||
+            (near && (at(i, j).facet != at(x, y).facet || at(i, j).ambiguous)))
+          return true;
       }
     }
     return false;
   }
 
-  // Pixels that a texel of a light's view of that many pixels a side may cover, from its middle on, and one more. Where light grazes a
-  // face a texel is drawn out; beyond twenty times its width (3 degrees) such views say nothing, and no pixel is near enough to count.
+  // Pixels that a texel of a light's view of that many pixels a side may cover, from its middle on,
+  // and one more. Where light grazes a face a texel is drawn out; beyond twenty times its width (3
+  // degrees) such views say nothing, and no pixel is near enough to count.
   int reach_of_texels(int x, int y, int side) const {
     const Pixel& pixel = at(x, y);
     if (pixel.facet == none) return 1;
@@ -137,8 +155,11 @@ class RayPicture {
     double reach = 0;
     for (const Light& light : scene_.lights()) {
       const Vec3 to_light = light.at - pixel.place;
-      const double slant = std::abs(scene_.planes()[scene_.facets()[pixel.facet].plane].normal.dot(to_light)) / to_light.norm();
-      reach = std::max(reach, slant < 0.05 ? width : 2 * std::sqrt(3.0) / side * to_light.norm() / slant / size);
+      const double slant =
+          std::abs(scene_.planes()[scene_.facets()[pixel.facet].plane].normal.dot(to_light)) /
+          to_light.norm();
+      reach = std::max(
+          reach, slant < 0.05 ? width : 2 * std::sqrt(3.0) / side * to_light.norm() / slant / size);
     }
     return static_cast<int>(std::min<double>(width, std::ceil(reach))) + 1;
   }
@@ -167,7 +188,8 @@ class RayPicture {
     return pixel;
   }
 
-  // Where two edges of a facet are within a pixel it may lie between all pixels' middles: at its corners, and where it is seen edge-on.
+  // Where two edges of a facet are within a pixel it may lie between all pixels' middles: at its
+  // corners, and where it is seen edge-on.
   void mark_if_thin(std::uint32_t facet) {
     const Pose view = camera_.view();
     const double pixel = 2 * std::tan(camera_.fov / 2) / height;
@@ -175,14 +197,18 @@ class RayPicture {
     for (const Corner& corner : scene_.corners_of(scene_.facets()[facet])) {
       const Vec3 p = view * scene_.vertices()[corner.vertex];
       if (p.z() >= -1e-3) return;
-      outline.emplace_back(width / 2.0 - p.x() / p.z() / pixel, height / 2.0 + p.y() / p.z() / pixel);
+      outline.emplace_back(width / 2.0 - p.x() / p.z() / pixel,
+                           height / 2.0 + p.y() / p.z() / pixel);
     }
     Eigen::AlignedBox2d box;
     for (const Eigen::Vector2d& p : outline) box.extend(p);
-    const auto whole = [](double v, int end) { return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(end))); };
+    const auto whole = [](double v, int end) {
+      return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(end)));
+    };
     for (int y = whole(box.min().y() - 2, height); y < whole(box.max().y() + 2, height); ++y)
       for (int x = whole(box.min().x() - 2, width); x < whole(box.max().x() + 2, width); ++x)
-        if (edges_near(outline, {x + 0.5, y + 0.5}) >= 2) pixels_[static_cast<std::size_t>(y * width + x)].ambiguous = true;
+        if (edges_near(outline, {x + 0.5, y + 0.5}) >= 2)
+          pixels_[static_cast<std::size_t>(y * width + x)].ambiguous = true;
   }
 
   static int edges_near(const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& p) {
@@ -196,18 +222,20 @@ class RayPicture {
   }
 
   void shade(Pixel& pixel, const Vec3& x) const {
-    const Object& object = scene_.objects()[scene_.faces()[scene_.facets()[pixel.facet].face].object];
+    const Object& object =
+        scene_.objects()[scene_.faces()[scene_.facets()[pixel.facet].face].object];
     const Vec3& normal = scene_.planes()[scene_.facets()[pixel.facet].plane].normal;
     double brightness = render::ambient_share;
     for (std::size_t k = 0; k < scene_.lights().size(); ++k) {
       const Light& light = scene_.lights()[k];
       const Vec3 to_light = light.kind == Light::Kind::point ? Vec3(light.at - x) : Vec3(-light.at);
       const double facing = normal.dot(to_light);
-      const bool seen = facing * normal.dot(camera_.eye - x) > 0 && (object.sides == Sides::open || facing > 0);
+      const bool seen =
+          facing * normal.dot(camera_.eye - x) > 0 && (object.sides == Sides::open || facing > 0);
       pixel.lit.push_back(seen && !shadowed(k, pixel.facet, x));
       if (pixel.lit.back())
-        brightness +=
-            (1 - render::ambient_share) / static_cast<double>(scene_.lights().size()) * (0.4 + 0.6 * std::abs(facing) / to_light.norm());
+        brightness += (1 - render::ambient_share) / static_cast<double>(scene_.lights().size()) *
+                      (0.4 + 0.6 * std::abs(facing) / to_light.norm());
     }
     for (std::size_t c = 0; c < 3; ++c) pixel.colour[c] = render::colour_of(object)[c] * brightness;
   }
@@ -216,12 +244,19 @@ class RayPicture {
     const Light& light = scene_.lights()[k];
     const double contact = 1e-9 * (x.norm() + 1);
     bool some = false;
-    casters_[k].near_line(x, light.kind == Light::Kind::point ? Vec3(light.at - x) : light.at, [&](const Seen& caster) {
-      if (some || caster.facet == facet || (facet != none && scene_.facets()[caster.facet].plane == scene_.facets()[facet].plane)) return;
-      const double here = caster.normal.dot(x) - caster.offset;
-      const double there = light.kind == Light::Kind::point ? caster.normal.dot(light.at) - caster.offset : -caster.normal.dot(light.at);
-      some = std::abs(here) > contact && here * there < 0 && through(caster, scene_, light, x);
-    });
+    casters_[k].near_line(x, light.kind == Light::Kind::point ? Vec3(light.at - x) : light.at,
+                          [&](const Seen& caster) {
+                            if (some || caster.facet == facet ||
+                                (facet != none && scene_.facets()[caster.facet].plane ==
+                                                      scene_.facets()[facet].plane))
+                              return;
+                            const double here = caster.normal.dot(x) - caster.offset;
+                            const double there = light.kind == Light::Kind::point
+                                                     ? caster.normal.dot(light.at) - caster.offset
+                                                     : -caster.normal.dot(light.at);
+                            some = std::abs(here) > contact && here * there < 0 &&
+                                   through(caster, scene_, light, x);
+                          });
     return some;
   }
 
@@ -248,7 +283,9 @@ Picture picture_of(const Scene& scene, const std::string& technique, const Camer
 
 // Shadow maps and shadow textures show no more than their texels do.
 constexpr int map_side = render::MapSettings{}.side;
-bool has_texels(const std::string& technique) { return technique == "shadow-map" || technique == "shadow-texture"; }
+bool has_texels(const std::string& technique) {
+  return technique == "shadow-map" || technique == "shadow-texture";
+}
 
 struct Difference {
   int pixels = 0, covered = 0;
@@ -260,15 +297,20 @@ Difference difference(const Picture& picture, const RayPicture& rays, bool texel
   Difference d;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      if (rays.at_an_edge(x, y) || (texels && rays.at_an_edge(x, y, rays.reach_of_texels(x, y, map_side)))) continue;
+      if (rays.at_an_edge(x, y) ||
+          (texels && rays.at_an_edge(x, y, rays.reach_of_texels(x, y, map_side))))
+        continue;
       ++d.covered;
       const Pixel& want = rays.at(x, y);
       double off = 0;
-      for (std::size_t c = 0; c < 3; ++c) off = std::max(off, std::abs(want.colour[c] - picture.at(x, y)[c]));
+      for (std::size_t c = 0; c < 3; ++c)
+        off = std::max(off, std::abs(want.colour[c] - picture.at(x, y)[c]));
       if (off <= 3) continue;
       if (d.pixels++ == 0)
-        d.first = text("pixel ", x, ", ", y, " of facet ", want.facet, ": ", int{picture.at(x, y)[0]}, " ", int{picture.at(x, y)[1]}, " ",
-                       int{picture.at(x, y)[2]}, ", should be ", want.colour[0], " ", want.colour[1], " ", want.colour[2]);
+        d.first =
+            text("pixel ", x, ", ", y, " of facet ", want.facet, ": ", int{picture.at(x, y)[0]},
+                 " ", int{picture.at(x, y)[1]}, " ", int{picture.at(x, y)[2]}, ", should be ",
+                 want.colour[0], " ", want.colour[1], " ", want.colour[2]);
     }
   }
   return d;
@@ -291,7 +333,8 @@ SceneData with_sun(SceneData data, const Vec3& travel) {
 std::vector<Shot> shots() {
   return {
       {"tetrahedron", scenes::tetrahedron(2), looking({3, -4, 3}, {0, 0, 0.4})},
-      {"tetrahedron, from its shadow", scenes::tetrahedron(2), looking({-0.9, 0.3, 0.05}, {3, 1, 0.3}), true},
+      {"tetrahedron, from its shadow", scenes::tetrahedron(2),
+       looking({-0.9, 0.3, 0.05}, {3, 1, 0.3}), true},
       {"room", scenes::room(1), looking({0.4, 0.4, 2.3}, {5, 4, 0.3})},
       {"room, under the desk", scenes::room(1), looking({1.2, 0.5, 0.4}, {4, 3, 0.8}), true},
       {"city", scenes::city(6), looking({-3, -5, 6}, {4, 4, 0})},
@@ -304,7 +347,9 @@ std::vector<Shot> shots() {
 }
 
 // Above a place on the ground, on its way to the light.
-Vec3 raised(const Scene& scene, const Vec3& place) { return place + 0.1 * (scene.lights()[0].at - place); }
+Vec3 raised(const Scene& scene, const Vec3& place) {
+  return place + 0.1 * (scene.lights()[0].at - place);
+}
 
 bool on_ground(const Scene& scene, const Pixel& pixel) {
   return pixel.facet != none && scene.faces()[scene.facets()[pixel.facet].face].object == 0;
@@ -316,7 +361,8 @@ Vec3 some_place_in_shadow(const Scene& scene, const RayPicture& seen) {
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
         const Pixel& pixel = seen.at(x, y);
-        if (on_ground(scene, pixel) && !pixel.lit[0] && !seen.at_an_edge(x, y, reach) && seen.in_shadow(raised(scene, pixel.place)))
+        if (on_ground(scene, pixel) && !pixel.lit[0] && !seen.at_an_edge(x, y, reach) &&
+            seen.in_shadow(raised(scene, pixel.place)))
           return raised(scene, pixel.place);
       }
   }
@@ -340,8 +386,9 @@ Vec3 some_place_at_an_edge(const Scene& scene, const RayPicture& seen) {
   throw Error("no shadow is seen");
 }
 
-// The papers' scenes, each from three cameras: out of all shadow; in a shadow's volume; and with a volume's side across the near plane's
-// window. The last two are where standard and Kolic are wrong (below).
+// The papers' scenes, each from three cameras: out of all shadow; in a shadow's volume; and with a
+// volume's side across the near plane's window. The last two are where standard and Kolic are wrong
+// (below).
 void paper_scene(const std::string& name, const Camera& outside) {
   const Scene scene = scenes::build(scenes::named(name));
   const RayPicture rays(scene, outside);
@@ -352,7 +399,8 @@ void paper_scene(const std::string& name, const Camera& outside) {
   const std::vector<std::pair<std::string, Camera>> cameras{
       {"outside", outside},
       {"in a volume", looking(within, outside.target)},
-      {"near plane cuts", looking(edge - near * (outside.target - edge).normalized(), outside.target)}};
+      {"near plane cuts",
+       looking(edge - near * (outside.target - edge).normalized(), outside.target)}};
   for (const auto& [where, camera] : cameras) {
     const RayPicture here(scene, camera);
     if (where == "in a volume") {
@@ -361,29 +409,43 @@ void paper_scene(const std::string& name, const Camera& outside) {
     for (const std::string& technique : render::technique_names()) {
       const bool from_light_only = technique == "stencil-standard" || technique == "stencil-kolic";
       if (from_light_only && where != "outside") continue;
-      const Difference d = difference(picture_of(scene, technique, camera), here, has_texels(technique));
-      EXPECT_EQ(d.pixels, 0) << name << ", " << where << ", " << technique << ": " << d.pixels << " of " << d.covered << " pixels differ; "
-                             << d.first;
+      const Difference d =
+          difference(picture_of(scene, technique, camera), here, has_texels(technique));
+      EXPECT_EQ(d.pixels, 0) << name << ", " << where << ", " << technique << ": " << d.pixels
+                             << " of " << d.covered << " pixels differ; " << d.first;
     }
   }
 }
 
 TEST(Render, PaperSceneSphere) { paper_scene("sphere256", looking({3.6, -4.4, 3.6}, {0, 0, 0.5})); }
 TEST(Render, PaperSceneSolids) { paper_scene("solids96", looking({3.6, -4.4, 3.6}, {0, 0, 0.5})); }
-TEST(Render, PaperSceneTetrahedra1) { paper_scene("tetrahedra752:1", looking({1.6, -2, 1.6}, {0, 0, 0.2})); }
-TEST(Render, PaperSceneTetrahedra2) { paper_scene("tetrahedra752:2", looking({0.9, -1.1, 1.8}, {0, 0, 1.1})); }
+TEST(Render, PaperSceneTetrahedra1) {
+  paper_scene("tetrahedra752:1", looking({1.6, -2, 1.6}, {0, 0, 0.2}));
+}
+TEST(Render, PaperSceneTetrahedra2) {
+  paper_scene("tetrahedra752:2", looking({0.9, -1.1, 1.8}, {0, 0, 1.1}));
+}
 TEST(Render, PaperSceneCubes) { paper_scene("cubes1502", looking({6, -6.4, 5.6}, {0, 0, 1.5})); }
-TEST(Render, PaperSceneBranch) { paper_scene("branch2878", looking({2.2, -2.4, 2.6}, {0, 0, 0.9})); }
-TEST(Render, PaperSceneFiveSpheres) { paper_scene("spheres2037:5", looking({5, -3, 4}, {2, 1.7, 1.2})); }
+TEST(Render, PaperSceneBranch) {
+  paper_scene("branch2878", looking({2.2, -2.4, 2.6}, {0, 0, 0.9}));
+}
+TEST(Render, PaperSceneFiveSpheres) {
+  paper_scene("spheres2037:5", looking({5, -3, 4}, {2, 1.7, 1.2}));
+}
 // All of their spheres take minutes.
 void in_a_soak(const std::string& name, const Camera& outside) {
   if (std::getenv("SHADOWCUT_SOAK") == nullptr) GTEST_SKIP() << "runs where SHADOWCUT_SOAK is set";
   paper_scene(name, outside);
 }
-TEST(Render, PaperScene100Spheres) { in_a_soak("spheres2037:100", looking({13, -4, 9}, {5, 4, 3})); }
-TEST(Render, PaperScene300Spheres) { in_a_soak("spheres2037:300", looking({19, -5, 12}, {7, 6, 4})); }
+TEST(Render, PaperScene100Spheres) {
+  in_a_soak("spheres2037:100", looking({13, -4, 9}, {5, 4, 3}));
+}
+TEST(Render, PaperScene300Spheres) {
+  in_a_soak("spheres2037:300", looking({19, -5, 12}, {7, 6, 4}));
+}
 
-// A branch that the wind bends in the vertex shader, as rays see the same branch bent on the processor; and as it does not stand still.
+// A branch that the wind bends in the vertex shader, as rays see the same branch bent on the
+// processor; and as it does not stand still.
 TEST(Render, KolicsShadowsFollowTheWind) {
   scenes::SceneData data = scenes::named("branch2878");
   const Scene still = scenes::build(data);
@@ -402,8 +464,10 @@ TEST(Render, KolicsShadowsFollowTheWind) {
     target.bind();
     render::draw(model.frame(camera, width, height), still, model, *t);
     const Difference d = difference(target.read(), rays, has_texels(technique));
-    EXPECT_EQ(d.pixels, 0) << technique << ": " << d.pixels << " of " << d.covered << " pixels differ; " << d.first;
-    EXPECT_GT(difference(picture_of(still, technique, camera), rays, has_texels(technique)).pixels, 200);
+    EXPECT_EQ(d.pixels, 0) << technique << ": " << d.pixels << " of " << d.covered
+                           << " pixels differ; " << d.first;
+    EXPECT_GT(difference(picture_of(still, technique, camera), rays, has_texels(technique)).pixels,
+              200);
   }
   const auto fragments = render::make_technique("fragments", still, model);
   EXPECT_THROW(render::draw(model.frame(camera, width, height), still, model, *fragments), Error);
@@ -421,7 +485,8 @@ TEST(Render, OnePlaneIsLitOnce) {
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
         if (picture.at(x, y)[0] < 255 || picture.at(x, y)[1] < 255)
-          brightest = std::max({brightest, int{picture.at(x, y)[0]}, int{picture.at(x, y)[1]}, int{picture.at(x, y)[2]}});
+          brightest = std::max({brightest, int{picture.at(x, y)[0]}, int{picture.at(x, y)[1]},
+                                int{picture.at(x, y)[2]}});
     EXPECT_LE(brightest, 248) << technique;  // a colour is no brighter than 247
   }
 }
@@ -452,19 +517,24 @@ TEST(Render, MapsHaveSizesTheDriverHas) {
   }
 }
 
-// The near plane is not far from the camera: one that is out of all shadow may still cut a volume with it.
+// The near plane is not far from the camera: one that is out of all shadow may still cut a volume
+// with it.
 TEST(Render, EveryTechniqueDrawsWhatRaysSee) {
   for (const Shot& shot : shots()) {
     const Scene scene = scenes::build(shot.data);
     const RayPicture rays(scene, shot.camera);
-    for (const std::string technique :
-         {"fragments", "stencil-zfail", "stencil-hybrid", "shadow-map", "stencil-standard", "stencil-kolic"}) {
-      if (shot.in_shadow && (technique == "stencil-standard" || technique == "stencil-kolic")) continue;  // below
+    for (const std::string technique : {"fragments", "stencil-zfail", "stencil-hybrid",
+                                        "shadow-map", "stencil-standard", "stencil-kolic"}) {
+      // below
+      if (shot.in_shadow && (technique == "stencil-standard" || technique == "stencil-kolic"))
+        continue;
       const Difference d = difference(picture_of(scene, technique, shot.camera), rays);
       EXPECT_GT(d.covered, width * height / 5) << shot.name;
-      // Kolic's count of a pixel on an edge of a volume may stay half done, and the next volume before it then makes a shadow of it.
+      // Kolic's count of a pixel on an edge of a volume may stay half done, and the next volume
+      // before it then makes a shadow of it.
       EXPECT_LE(d.pixels, technique == "stencil-kolic" ? 2 : 0)
-          << shot.name << ", " << technique << ": " << d.pixels << " of " << d.covered << " pixels differ; " << d.first;
+          << shot.name << ", " << technique << ": " << d.pixels << " of " << d.covered
+          << " pixels differ; " << d.first;
     }
   }
 }
@@ -476,9 +546,11 @@ TEST(Render, SeveralLights) {
   scene.add(Light::directional({-1, 1, -1.5}));
   const Camera camera = looking({-4, -5, 5}, {2, 2, 0});
   const RayPicture rays(scene, camera);
-  for (const std::string technique : {"fragments", "stencil-zfail", "stencil-hybrid", "stencil-standard", "stencil-kolic", "shadow-map"}) {
+  for (const std::string technique : {"fragments", "stencil-zfail", "stencil-hybrid",
+                                      "stencil-standard", "stencil-kolic", "shadow-map"}) {
     const Difference d = difference(picture_of(scene, technique, camera), rays);
-    EXPECT_EQ(d.pixels, 0) << technique << ": " << d.pixels << " of " << d.covered << " pixels differ; " << d.first;
+    EXPECT_EQ(d.pixels, 0) << technique << ": " << d.pixels << " of " << d.covered
+                           << " pixels differ; " << d.first;
   }
 }
 
@@ -487,15 +559,23 @@ TEST(Render, StandardIsWrongWhereTheCameraIsInShadow) {
   for (const Shot& shot : shots()) {
     if (!shot.in_shadow) continue;
     const Scene scene = scenes::build(shot.data);
-    EXPECT_GT(difference(picture_of(scene, "stencil-standard", shot.camera), RayPicture(scene, shot.camera)).pixels, 1000) << shot.name;
+    EXPECT_GT(difference(picture_of(scene, "stencil-standard", shot.camera),
+                         RayPicture(scene, shot.camera))
+                  .pixels,
+              1000)
+        << shot.name;
   }
 }
 
-// Of a volume around the camera one side is seen, not two, and a pass or a failure alone is not a shadow.
+// Of a volume around the camera one side is seen, not two, and a pass or a failure alone is not a
+// shadow.
 TEST(Render, KolicIsWrongWhereTheCameraIsInAVolume) {
   const Shot shot = shots()[1];
   const Scene scene = scenes::build(shot.data);
-  EXPECT_GT(difference(picture_of(scene, "stencil-kolic", shot.camera), RayPicture(scene, shot.camera)).pixels, 1000);
+  EXPECT_GT(
+      difference(picture_of(scene, "stencil-kolic", shot.camera), RayPicture(scene, shot.camera))
+          .pixels,
+      1000);
 }
 
 // Objects that do not cast, or do not receive.
@@ -505,7 +585,8 @@ TEST(Render, OnlySomeCastAndReceive) {
   const Scene scene = scenes::build(data);
   const Camera camera = looking({-3, -4, 4}, {1.5, 1.5, 0});
   const RayPicture rays(scene, camera);
-  for (const std::string technique : {"fragments", "stencil-zfail", "stencil-hybrid", "stencil-standard", "stencil-kolic", "shadow-map"})
+  for (const std::string technique : {"fragments", "stencil-zfail", "stencil-hybrid",
+                                      "stencil-standard", "stencil-kolic", "shadow-map"})
     EXPECT_EQ(difference(picture_of(scene, technique, camera), rays).pixels, 0) << technique;
 }
 
@@ -520,7 +601,9 @@ TEST(Render, FragmentsFollowEdits) {
   scenes::Random random(5);
   for (int k = 0; k < 25; ++k) {
     const ObjectId id = scene.object_id(2 + random.below(scene.objects().size() - 2));
-    const Pose pose = Eigen::Translation3d(random.in(-0.3, 0.3), random.in(-0.3, 0.3), random.in(0, 0.2)) * scene.find(id)->pose;
+    const Pose pose =
+        Eigen::Translation3d(random.in(-0.3, 0.3), random.in(-0.3, 0.3), random.in(0, 0.2)) *
+        scene.find(id)->pose;
     ASSERT_EQ(scene.set_pose(id, pose), Edit::done);
     model.scene_changed(scene);
     target.bind();

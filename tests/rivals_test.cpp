@@ -1,6 +1,7 @@
-// The published algorithms against the exact oracle: every face's lit area, in random scenes of every kind, in every setting, under one
-// light and under several. A disagreement prints the scene reduced to the faces that matter, as OBJ. SHADOWCUT_SOAK=n runs about n random
-// scenes instead of some hundred, SHADOWCUT_SEED=k other ones, SHADOWCUT_SCENE=seed a single one.
+// The published algorithms against the exact oracle: every face's lit area, in random scenes of
+// every kind, in every setting, under one light and under several. A disagreement prints the scene
+// reduced to the faces that matter, as OBJ. SHADOWCUT_SOAK=n runs about n random scenes instead of
+// some hundred, SHADOWCUT_SEED=k other ones, SHADOWCUT_SCENE=seed a single one.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -44,7 +45,8 @@ std::vector<Case> all_cases() {
 }
 
 // Areas as the oracle has them, and fragments that add up to them.
-std::string check(const Scene& scene, const Result& result, const std::vector<Oracle::Area>& wanted) {
+std::string check(const Scene& scene, const Result& result,
+                  const std::vector<Oracle::Area>& wanted) {
   std::string what = check_areas(scene, {{}, result.areas, {}}, wanted);
   std::vector<double> lit(scene.faces().size(), 0), shadowed(lit);
   for (const compare::Fragment& f : result.fragments) {
@@ -53,15 +55,18 @@ std::string check(const Scene& scene, const Result& result, const std::vector<Or
   for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
     const FaceArea& area = result.areas[i];
     if (area.facing != Facing::toward) continue;
-    if (std::abs(lit[i] - area.lit) + std::abs(shadowed[i] - area.shadowed) > kAreaTolerance * area.area)
-      what += text("face ", i, ": fragments make ", lit[i], " and ", shadowed[i], ", areas are ", area.lit, " and ", area.shadowed, "\n");
+    if (std::abs(lit[i] - area.lit) + std::abs(shadowed[i] - area.shadowed) >
+        kAreaTolerance * area.area)
+      what += text("face ", i, ": fragments make ", lit[i], " and ", shadowed[i], ", areas are ",
+                   area.lit, " and ", area.shadowed, "\n");
   }
   return what;
 }
 
 std::string check(const SceneData& data, const Case& c) {
   const Scene scene = scenes::build(data);
-  return check(scene, compare::cast(scene, {&data.light, 1}, c.algorithm, c.settings).front(), Oracle(scene, data.light).areas());
+  return check(scene, compare::cast(scene, {&data.light, 1}, c.algorithm, c.settings).front(),
+               Oracle(scene, data.light).areas());
 }
 
 Mesh without_face(const Mesh& mesh, std::size_t left_out) {
@@ -75,10 +80,12 @@ Mesh without_face(const Mesh& mesh, std::size_t left_out) {
   return less;
 }
 
-// Leaves out objects, then faces, for as long as the scene still fails. Which sides count stays as it was decided.
+// Leaves out objects, then faces, for as long as the scene still fails. Which sides count stays as
+// it was decided.
 SceneData reduced(SceneData data, const std::function<bool(const SceneData&)>& fails) {
   const Scene scene = scenes::build(data);
-  for (std::size_t o = 0; o < data.objects.size(); ++o) data.objects[o].second.sides = scene.objects()[o].sides;
+  for (std::size_t o = 0; o < data.objects.size(); ++o)
+    data.objects[o].second.sides = scene.objects()[o].sides;
   for (std::size_t o = data.objects.size(); o-- > 0;) {
     SceneData less = data;
     less.objects.erase(less.objects.begin() + static_cast<std::ptrdiff_t>(o));
@@ -95,10 +102,12 @@ SceneData reduced(SceneData data, const std::function<bool(const SceneData&)>& f
 }
 
 std::string as_obj(const SceneData& data) {
-  std::string out = text("# light ", data.light.kind == Light::Kind::point ? "point " : "sun ", data.light.at.transpose(), "\n");
+  std::string out = text("# light ", data.light.kind == Light::Kind::point ? "point " : "sun ",
+                         data.light.at.transpose(), "\n");
   std::size_t first = 1;
   for (const auto& [mesh, settings] : data.objects) {
-    out += text("o ", settings.name, settings.sides == Sides::closed ? " (closed)" : " (open)", "\n");
+    out +=
+        text("o ", settings.name, settings.sides == Sides::closed ? " (closed)" : " (open)", "\n");
     for (const Vec3& v : mesh.vertices) out += text("v ", (settings.pose * v).transpose(), "\n");
     for (std::size_t f = 0; f < mesh.face_count(); ++f) {
       for (std::size_t k = 0; k < mesh.loop_count(f); ++k) {
@@ -118,18 +127,21 @@ std::string explain(const SceneData& data, const Case& c) {
 }
 
 class RivalsOf : public ::testing::TestWithParam<Kind> {};
-INSTANTIATE_TEST_SUITE_P(Kinds, RivalsOf, ::testing::ValuesIn(kAllKinds), [](const auto& info) { return name_of(info.param); });
+INSTANTIATE_TEST_SUITE_P(Kinds, RivalsOf, ::testing::ValuesIn(kAllKinds),
+                         [](const auto& info) { return name_of(info.param); });
 
 TEST_P(RivalsOf, RandomScenes) {
   std::uint64_t first = 1000 * environment("SHADOWCUT_SEED").value_or(0),
-                end = first + environment("SHADOWCUT_SOAK").value_or(8 * 25) / std::size(kAllKinds) + 1;
+                end = first +
+                      environment("SHADOWCUT_SOAK").value_or(8 * 25) / std::size(kAllKinds) + 1;
   if (const auto one = environment("SHADOWCUT_SCENE")) first = *one, end = first + 1;
   for (std::uint64_t seed = first; seed < end; ++seed) {
     const SceneData data = random_scene(GetParam(), seed);
     const Scene scene = scenes::build(data);
     const std::vector<Oracle::Area> wanted = Oracle(scene, data.light).areas();
     for (const Case& c : all_cases()) {
-      const std::string what = check(scene, compare::cast(scene, {&data.light, 1}, c.algorithm, c.settings).front(), wanted);
+      const std::string what = check(
+          scene, compare::cast(scene, {&data.light, 1}, c.algorithm, c.settings).front(), wanted);
       ASSERT_EQ(what, "") << name_of(GetParam()) << ", seed " << seed << ", " << explain(data, c);
     }
   }
@@ -140,7 +152,8 @@ TEST_P(RivalsOf, SeveralLights) {
   for (std::uint64_t seed = 700; seed < 704; ++seed) {
     const SceneData data = random_scene(GetParam(), seed);
     scenes::Random random(seed);
-    const std::vector<Light> lights{data.light, random_light(GetParam(), random), random_light(GetParam(), random)};
+    const std::vector<Light> lights{data.light, random_light(GetParam(), random),
+                                    random_light(GetParam(), random)};
     const Scene scene = scenes::build(data);
     std::vector<std::vector<Oracle::Area>> wanted;
     for (const Light& light : lights) wanted.push_back(Oracle(scene, light).areas());
@@ -148,19 +161,25 @@ TEST_P(RivalsOf, SeveralLights) {
       const std::vector<Result> results = compare::cast(scene, lights, c.algorithm, c.settings);
       ASSERT_EQ(results.size(), lights.size());
       for (std::size_t k = 0; k < lights.size(); ++k) {
-        ASSERT_EQ(check(scene, results[k], wanted[k]), "") << name_of(GetParam()) << ", seed " << seed << ", light " << k << ", " << c.name;
+        ASSERT_EQ(check(scene, results[k], wanted[k]), "")
+            << name_of(GetParam()) << ", seed " << seed << ", light " << k << ", " << c.name;
       }
     }
   }
 }
 
 TEST(Rivals, MadeScenes) {
-  for (const SceneData& data : {scenes::room(1), scenes::room(3), scenes::furnished_room(), scenes::tetrahedron(2), scenes::tetrahedron(3),
-                                scenes::city(6), scenes::spheres(4, 12, 8), scenes::triangles(100), scenes::branch(2)}) {
+  for (const SceneData& data :
+       {scenes::room(1), scenes::room(3), scenes::furnished_room(), scenes::tetrahedron(2),
+        scenes::tetrahedron(3), scenes::city(6), scenes::spheres(4, 12, 8), scenes::triangles(100),
+        scenes::branch(2)}) {
     const Scene scene = scenes::build(data);
     const std::vector<Oracle::Area> wanted = Oracle(scene, data.light).areas();
     for (const Case& c : all_cases())
-      EXPECT_EQ(check(scene, compare::cast(scene, {&data.light, 1}, c.algorithm, c.settings).front(), wanted), "")
+      EXPECT_EQ(
+          check(scene, compare::cast(scene, {&data.light, 1}, c.algorithm, c.settings).front(),
+                wanted),
+          "")
           << data.name << ", " << c.name;
   }
 }

@@ -1,4 +1,5 @@
-// The door: every reason to refuse or repair a face, with the object and face it names; welding, convex parts, closed or open.
+// The door: every reason to refuse or repair a face, with the object and face it names; welding,
+// convex parts, closed or open.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +13,8 @@
 namespace shadowcut::testing {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(),
+                 kInfinity = std::numeric_limits<double>::infinity();
 
 Mesh polygon(std::initializer_list<Vec3> points) {
   Mesh mesh;
@@ -83,11 +85,15 @@ void expect_facets_tile(const Scene& scene, std::uint32_t face_index, double are
     const Plane& plane = scene.planes()[facet.plane];
     EXPECT_NEAR(plane.normal.norm(), 1, 1e-15);
     const auto corners = scene.corners_of(facet);
-    const auto at = [&](std::size_t i) -> const Vec3& { return scene.vertices()[corners[i % corners.size()].vertex]; };
+    const auto at = [&](std::size_t i) -> const Vec3& {
+      return scene.vertices()[corners[i % corners.size()].vertex];
+    };
     Vec3 twice = Vec3::Zero();
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      EXPECT_LE(std::abs(plane.normal.dot(at(i) - plane.point)), plane.flatness * (1 + 1e-9) + 1e-15);
-      EXPECT_GE((at(i + 1) - at(i)).cross(at(i + 2) - at(i + 1)).dot(plane.normal), -1e-12 * area) << "not convex";
+      EXPECT_LE(std::abs(plane.normal.dot(at(i) - plane.point)),
+                plane.flatness * (1 + 1e-9) + 1e-15);
+      EXPECT_GE((at(i + 1) - at(i)).cross(at(i + 2) - at(i + 1)).dot(plane.normal), -1e-12 * area)
+          << "not convex";
       twice += (at(i) - at(0)).cross(at(i + 1) - at(0));
       const Edge& edge = scene.edges()[corners[i].edge >> 1];
       EXPECT_LT(edge.a, edge.b);
@@ -146,7 +152,8 @@ TEST(Door, TooFewCorners) {
   expect_issue(between_good({{0, 0, 0}}), 1, Reason::too_few_corners);
   expect_issue(between_good({{0, 0, 0}, {1, 0, 0}}), 1, Reason::too_few_corners);
   expect_issue(between_good({{0, 0, 0}, {1, 0, 0}, {0, 0, 0}}), 1, Reason::too_few_corners);
-  expect_issue(between_good({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}), 1, Reason::too_few_corners);
+  expect_issue(between_good({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}), 1,
+               Reason::too_few_corners);
 }
 
 TEST(Door, ZeroArea) {
@@ -160,27 +167,45 @@ TEST(Door, ThinButNotZero) {
   EXPECT_NEAR(scene.faces()[1].area, 0.5e-9, 1e-18);
 }
 
-TEST(Door, BowTie) { expect_issue(between_good({{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 1, 0}}), 1, Reason::self_intersecting); }
+TEST(Door, BowTie) {
+  expect_issue(between_good({{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 1, 0}}), 1,
+               Reason::self_intersecting);
+}
 
-// Touching is not crossing: such outlines come out of bridges to holes. They are cut as what they enclose.
+// Touching is not crossing: such outlines come out of bridges to holes. They are cut as what they
+// enclose.
 TEST(Door, OutlineTouchesItself) {
-  const Scene edge = second(between_good({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0, 0}, {0, 4, 0}}));  // corner on edge
+  // corner on edge
+  const Scene edge = second(between_good({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0, 0}, {0, 4, 0}}));
   EXPECT_TRUE(edge.issues().empty());
   EXPECT_DOUBLE_EQ(edge.faces()[edge.objects()[1].first_face + 1].area, 8);
   const Scene corner =
-      second(between_good({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {4, 2, 0}, {4, 4, 0}, {2, 4, 0}, {2, 2, 0}, {0, 2, 0}}));  // corner on corner
+      // corner on corner
+      second(between_good({{0, 0, 0},
+                           {2, 0, 0},
+                           {2, 2, 0},
+                           {4, 2, 0},
+                           {4, 4, 0},
+                           {2, 4, 0},
+                           {2, 2, 0},
+                           {0, 2, 0}}));
   EXPECT_TRUE(corner.issues().empty());
   EXPECT_DOUBLE_EQ(corner.faces()[corner.objects()[1].first_face + 1].area, 8);
 }
 
 // Passing through a corner or along an edge of its own, an outline can run round a place twice.
 TEST(Door, OutlineRunsRoundTwice) {
-  expect_issue(between_good({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, 0, 0}, {2, 1, 0}, {1, 2, 0}}), 1, Reason::self_intersecting);
-  expect_issue(between_good({{4, 2, 0}, {3, 2, 0}, {1, 4, 0}, {3, 3, 0}, {2, 3, 0}, {0, 4, 0}, {3, 4, 0}}), 1, Reason::self_intersecting);
+  expect_issue(
+      between_good({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, 0, 0}, {2, 1, 0}, {1, 2, 0}}),
+      1, Reason::self_intersecting);
+  expect_issue(
+      between_good({{4, 2, 0}, {3, 2, 0}, {1, 4, 0}, {3, 3, 0}, {2, 3, 0}, {0, 4, 0}, {3, 4, 0}}),
+      1, Reason::self_intersecting);
 }
 
 TEST(Door, OutlineTurnsBackOnItself) {
-  expect_issue(between_good({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {2, 4, 0}, {2, 2, 0.0}, {0, 2, 0}}), 1, Reason::self_intersecting);
+  expect_issue(between_good({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {2, 4, 0}, {2, 2, 0.0}, {0, 2, 0}}),
+               1, Reason::self_intersecting);
 }
 
 TEST(Door, HoleLeavesTheOutline) {
@@ -296,14 +321,24 @@ TEST(Door, RefusedFacesStayShadowless) {
 TEST(Door, OnlyFlatAndRepeatedAreRepairs) {
   EXPECT_FALSE(refuses(Reason::not_flat));
   EXPECT_FALSE(refuses(Reason::repeated_corner));
-  for (const Reason r : {Reason::non_finite, Reason::index_out_of_range, Reason::too_few_corners, Reason::zero_area,
-                         Reason::self_intersecting, Reason::duplicate})
+  for (const Reason r : {Reason::non_finite, Reason::index_out_of_range, Reason::too_few_corners,
+                         Reason::zero_area, Reason::self_intersecting, Reason::duplicate})
     EXPECT_TRUE(refuses(r));
 }
 
 TEST(ConvexParts, ConcaveComb) {
-  const Mesh mesh = polygon(
-      {{0, 0, 1}, {5, 0, 1}, {5, 3, 1}, {4, 3, 1}, {4, 1, 1}, {3, 1, 1}, {3, 3, 1}, {2, 3, 1}, {2, 1, 1}, {1, 1, 1}, {1, 3, 1}, {0, 3, 1}});
+  const Mesh mesh = polygon({{0, 0, 1},
+                             {5, 0, 1},
+                             {5, 3, 1},
+                             {4, 3, 1},
+                             {4, 1, 1},
+                             {3, 1, 1},
+                             {3, 3, 1},
+                             {2, 3, 1},
+                             {2, 1, 1},
+                             {1, 1, 1},
+                             {1, 3, 1},
+                             {0, 3, 1}});
   const Scene scene = second(mesh);
   EXPECT_TRUE(scene.issues().empty());
   EXPECT_GE(scene.faces()[1].facet_count, 3u);
@@ -331,7 +366,8 @@ TEST(ConvexParts, ManyHolesInATiltedPlane) {
       add_hole(mesh, {{u, v, 0}, {u + 2, v, 0}, {u + 1, v + 2, 0}});
     }
   ObjectSettings settings;
-  settings.pose = Eigen::Translation3d(1, 2, 3) * Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized());
+  settings.pose =
+      Eigen::Translation3d(1, 2, 3) * Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized());
   Scene scene;
   scene.add(mesh, settings);
   EXPECT_TRUE(scene.issues().empty());
@@ -347,11 +383,13 @@ TEST(ConvexParts, RandomStars) {
     std::vector<std::uint32_t> loop;
     double twice = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
-      const double turn = 2 * 3.141592653589793 * i / static_cast<double>(n), r = 0.2 + random.unit();
+      const double turn = 2 * 3.141592653589793 * i / static_cast<double>(n),
+                   r = 0.2 + random.unit();
       mesh.vertices.emplace_back(r * std::cos(turn), r * std::sin(turn), 0);
       loop.push_back(i);
     }
-    for (std::size_t i = 0; i < n; ++i) twice += mesh.vertices[i].cross(mesh.vertices[(i + 1) % n]).z();
+    for (std::size_t i = 0; i < n; ++i)
+      twice += mesh.vertices[i].cross(mesh.vertices[(i + 1) % n]).z();
     mesh.add_face(loop);
     const Scene scene = second(mesh);
     EXPECT_TRUE(scene.issues().empty());
@@ -376,7 +414,8 @@ TEST(ConvexParts, LongOutline) {
   const Scene scene = second(mesh);
   EXPECT_TRUE(scene.issues().empty());
   double twice = 0;
-  for (std::size_t i = 0; i < loop.size(); ++i) twice += mesh.vertices[i].cross(mesh.vertices[(i + 1) % loop.size()]).z();
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    twice += mesh.vertices[i].cross(mesh.vertices[(i + 1) % loop.size()]).z();
   expect_facets_tile(scene, 1, std::abs(twice) / 2);
 }
 
@@ -387,7 +426,8 @@ TEST(Welding, EqualPositionsBecomeOneVertex) {
   EXPECT_EQ(scene.objects()[1].vertex_count, 6u);
   std::set<std::uint32_t> edges;
   for (std::uint32_t f = 1; f < 3; ++f)
-    for (const Corner& c : scene.corners_of(scene.facets()[scene.faces()[f].first_facet])) edges.insert(c.edge >> 1);
+    for (const Corner& c : scene.corners_of(scene.facets()[scene.faces()[f].first_facet]))
+      edges.insert(c.edge >> 1);
   EXPECT_EQ(edges.size(), 7u);  // the one between them is shared
 }
 
@@ -487,7 +527,9 @@ TEST(SidesDecision, RefusedFaceOpensASolid) {
 
 TEST(SidesDecision, CanBeOverridden) {
   EXPECT_EQ(second(scenes::box({0, 0, 0}, {1, 1, 1}), Sides::open).objects()[1].sides, Sides::open);
-  EXPECT_EQ(second(scenes::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), Sides::closed).objects()[1].sides, Sides::closed);
+  EXPECT_EQ(
+      second(scenes::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), Sides::closed).objects()[1].sides,
+      Sides::closed);
 }
 
 TEST(SidesDecision, FarFromTheOrigin) {
@@ -572,14 +614,16 @@ TEST(Meshes, LoopsComeBack) {
   ASSERT_EQ(mesh.face_count(), 2u);
   EXPECT_EQ(mesh.loop_count(0), 2u);
   EXPECT_EQ(mesh.loop_count(1), 1u);
-  EXPECT_EQ(std::vector<std::uint32_t>(mesh.loop(0, 1).begin(), mesh.loop(0, 1).end()), (std::vector<std::uint32_t>{4, 5, 6}));
+  EXPECT_EQ(std::vector<std::uint32_t>(mesh.loop(0, 1).begin(), mesh.loop(0, 1).end()),
+            (std::vector<std::uint32_t>{4, 5, 6}));
   EXPECT_EQ(mesh.loop(1, 0)[0], 3u);
 }
 
 TEST(GeneratedSizes, AreThoseOfThePaper) {
   constexpr std::array<std::size_t, 4> polygons{133, 211, 313, 745};
   for (int level = 1; level <= 4; ++level)
-    EXPECT_EQ(scenes::polygon_count(scenes::room(level)), polygons[static_cast<std::size_t>(level - 1)]);
+    EXPECT_EQ(scenes::polygon_count(scenes::room(level)),
+              polygons[static_cast<std::size_t>(level - 1)]);
   for (const auto& [depth, count] : {std::pair(2, 65u), {3, 257u}, {4, 1025u}})
     EXPECT_EQ(scenes::polygon_count(scenes::tetrahedron(depth)), count);
 }
@@ -590,7 +634,8 @@ TEST(GeneratedSizes, FurnitureIsClosed) {
     EXPECT_TRUE(scene.issues().empty());
     for (const Object& object : scene.objects()) {
       const std::string what = object.name.substr(0, object.name.find('.'));
-      EXPECT_EQ(object.sides == Sides::open, what == "room" || what == "poster" || what == "screen") << object.name;
+      EXPECT_EQ(object.sides == Sides::open, what == "room" || what == "poster" || what == "screen")
+          << object.name;
     }
   }
 }
@@ -605,8 +650,9 @@ TEST(Given, MakesTheObjectAgain) {
   ASSERT_EQ(scene.set_vertices(id, deformed), Edit::done);
   ASSERT_EQ(scene.set_casts(id, false), Edit::done);
   const Object before = *scene.find(id);
-  const std::vector<Vec3> vertices(scene.vertices().begin() + before.first_vertex,
-                                   scene.vertices().begin() + before.first_vertex + before.vertex_count);
+  const std::vector<Vec3> vertices(
+      scene.vertices().begin() + before.first_vertex,
+      scene.vertices().begin() + before.first_vertex + before.vertex_count);
   const auto given = scene.given(id);
   ASSERT_TRUE(given);
   EXPECT_EQ(given->second.sides, Sides::automatic);  // as asked for, not as decided
@@ -616,7 +662,8 @@ TEST(Given, MakesTheObjectAgain) {
   EXPECT_EQ(after.name, before.name);
   EXPECT_EQ(after.casts, false);
   EXPECT_EQ(after.sides, Sides::closed);
-  EXPECT_TRUE(std::equal(vertices.begin(), vertices.end(), scene.vertices().begin() + after.first_vertex));
+  EXPECT_TRUE(
+      std::equal(vertices.begin(), vertices.end(), scene.vertices().begin() + after.first_vertex));
 }
 
 }  // namespace

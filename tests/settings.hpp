@@ -20,8 +20,9 @@ inline std::optional<std::uint64_t> environment(const char* name) {
 inline std::string describe(const Options& o) {
   constexpr std::array forms{"pieces", "merged", "conforming"};
   constexpr std::array orders{"solid_angle", "as_given", "random"};
-  return text("form ", forms[static_cast<std::size_t>(o.form)], ", order ", orders[static_cast<std::size_t>(o.order)], ", seed ", o.seed,
-              ", facets_per_cell ", o.facets_per_cell, ", join_threshold ", o.join_threshold, ", threads ", o.threads,
+  return text("form ", forms[static_cast<std::size_t>(o.form)], ", order ",
+              orders[static_cast<std::size_t>(o.order)], ", seed ", o.seed, ", facets_per_cell ",
+              o.facets_per_cell, ", join_threshold ", o.join_threshold, ", threads ", o.threads,
               o.edits ? "" : ", no edits");
 }
 

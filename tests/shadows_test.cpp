@@ -1,4 +1,5 @@
-// The engine against the exact oracle, face by face and point by point: named geometries first, random scenes after.
+// The engine against the exact oracle, face by face and point by point: named geometries first,
+// random scenes after.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -14,7 +15,8 @@ using scenes::rectangle;
 using scenes::SceneData;
 
 // Everything that can be asked of one light's shadows.
-void expect_right(const Scene& scene, const Light& light, const Options& options = {}, bool only_facing = false) {
+void expect_right(const Scene& scene, const Light& light, const Options& options = {},
+                  bool only_facing = false) {
   const Shadows shadows = cast_shadows(scene, light, options);
   const Oracle oracle(scene, light, only_facing);
   EXPECT_EQ(check_areas(scene, shadows, oracle), "");
@@ -33,7 +35,9 @@ struct Stage {
     settings.sides = sides;
     return add(mesh, settings);
   }
-  std::uint32_t ground(double half = 4) { return add(rectangle({-half, -half, 0}, {2 * half, 0, 0}, {0, 2 * half, 0})); }
+  std::uint32_t ground(double half = 4) {
+    return add(rectangle({-half, -half, 0}, {2 * half, 0, 0}, {0, 2 * half, 0}));
+  }
 };
 
 Mesh triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -101,7 +105,8 @@ TEST(Shadows, LightStandsOnATable) {
   Stage s;
   s.ground();
   s.add(scenes::box({-1, -1, 0.5}, {1, 1, 1}));
-  expect_right(s.scene, Light::point({0.25, 0.125, 1}));  // within the table's top: it is edge-on, the table still casts
+  // within the table's top: it is edge-on, the table still casts
+  expect_right(s.scene, Light::point({0.25, 0.125, 1}));
 }
 
 TEST(Shadows, LightAtAVertex) {
@@ -141,7 +146,8 @@ TEST(Shadows, LightInAnOpenBoxIsARoom) {
   const Light light = Light::point({0.1, 0.2, 1.5});
   const Shadows shadows = cast_shadows(s.scene, light);
   EXPECT_EQ(shadows.areas[ground].lit, 0);
-  for (std::uint32_t k = 0; k < 6; ++k) EXPECT_EQ(shadows.areas[box + k].lit, shadows.areas[box + k].area);
+  for (std::uint32_t k = 0; k < 6; ++k)
+    EXPECT_EQ(shadows.areas[box + k].lit, shadows.areas[box + k].area);
   expect_right(s.scene, light);
 }
 
@@ -157,7 +163,8 @@ TEST(Shadows, FaceBehindTheLightCastsNothing) {
 TEST(Shadows, FacePassesTheLightOnBothSides) {
   Stage s;
   s.ground();
-  s.add(rectangle({1, -5, -5}, {0, 10, 0}, {0, 0, 10}));  // higher than the light, and through the ground
+  // higher than the light, and through the ground
+  s.add(rectangle({1, -5, -5}, {0, 10, 0}, {0, 0, 10}));
   s.add(rectangle({-2, -1, -1}, {0, 2, 0}, {1, 0, 4}));
   expect_right(s.scene, Light::point({0.1, 0.3, 2}));
 }
@@ -223,7 +230,8 @@ TEST(Shadows, CoplanarPosterNeitherCastsNorIsShadowed) {
   const auto wall = s.add(rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
   const auto poster = s.add(rectangle({1, 1, 0}, {1, 0, 0}, {0, 1, 0}));
   s.add(rectangle({1, 1, 0}, {1, 0, 0}, {0, 1, 0}));  // and once more the same
-  for (const Light& light : {Light::point({1, 2, 3}), Light::point({1, 2, -3}), Light::directional({1, 1, 1})}) {
+  for (const Light& light :
+       {Light::point({1, 2, 3}), Light::point({1, 2, -3}), Light::directional({1, 1, 1})}) {
     const Shadows shadows = cast_shadows(s.scene, light);
     EXPECT_EQ(shadows.areas[wall].lit, 16);
     EXPECT_EQ(shadows.areas[poster].lit, 1);
@@ -242,7 +250,8 @@ TEST(Shadows, TiltedPosterTouchesUpToRounding) {
     settings.pose = pose;
     Stage s;
     const auto wall = s.add(rectangle({-1, -1, 0}, {3, 0, 0}, {0, 3, 0}), settings);
-    const auto poster = s.add(rectangle({random.unit(), random.unit(), 0}, {0.3, 0.1, 0}, {-0.1, 0.3, 0}), settings);
+    const auto poster = s.add(
+        rectangle({random.unit(), random.unit(), 0}, {0.3, 0.1, 0}, {-0.1, 0.3, 0}), settings);
     const Light light = Light::point(pose * Vec3(0.4, 0.3, 2));
     const Shadows shadows = cast_shadows(s.scene, light);
     EXPECT_NEAR(shadows.areas[wall].lit, 9, 9e-9);
@@ -275,15 +284,20 @@ TEST(Shadows, VertexOneUlpOffPlane) {
   }
 }
 
-// What a dividing plane of the prefix, or another face's edge, cuts off at such a vertex is a sliver 1e-15 wide, whose corners lie on every
-// line that passes near: its shadow volume must not be the whole cell.
+// What a dividing plane of the prefix, or another face's edge, cuts off at such a vertex is a
+// sliver 1e-15 wide, whose corners lie on every line that passes near: its shadow volume must not
+// be the whole cell.
 TEST(Shadows, VertexUlpsOffADividingPlane) {
   for (int ulps = -24; ulps <= 24; ++ulps) {
     SCOPED_TRACE(ulps);
     Stage s;
     Mesh fan;
-    fan.vertices = {{ulps * 0x1p-52, -0.31, 0.91}, {0.47, 0.36, 0.64}, {1.37, -0.05, -0.48}, {1.34, -0.96, 0.33}};
-    for (const auto& [a, b, c] : {std::array{0u, 1u, 2u}, {0u, 2u, 3u}, {1u, 0u, 3u}, {2u, 1u, 3u}}) fan.add_face({a, b, c});
+    fan.vertices = {{ulps * 0x1p-52, -0.31, 0.91},
+                    {0.47, 0.36, 0.64},
+                    {1.37, -0.05, -0.48},
+                    {1.34, -0.96, 0.33}};
+    for (const auto& [a, b, c] : {std::array{0u, 1u, 2u}, {0u, 2u, 3u}, {1u, 0u, 3u}, {2u, 1u, 3u}})
+      fan.add_face({a, b, c});
     s.add(fan);
     s.add(rectangle({-9, -8, 4}, {18, 0, 1}, {0, 16, 2}));
     s.add(rectangle({-8, -9, 6}, {16, 0, 1}, {0, 18, 2}));
@@ -310,7 +324,8 @@ TEST(Shadows, RangeAndConeReachDifferentParts) {
     for (const double turn : {0.2, 0.5, 0.8, 1.1}) {
       light.spot = Light::Spot{{1, 0, -0.6}, turn};
       const Oracle oracle(s.scene, light);
-      EXPECT_EQ(check_areas(s.scene, cast_shadows(s.scene, light), oracle), "") << range << " " << turn;
+      EXPECT_EQ(check_areas(s.scene, cast_shadows(s.scene, light), oracle), "")
+          << range << " " << turn;
     }
   }
   EXPECT_EQ(cast_shadows(s.scene, light).areas[face].facing, Facing::toward);
@@ -319,7 +334,8 @@ TEST(Shadows, RangeAndConeReachDifferentParts) {
 TEST(Shadows, ShadowEdgeOnReceiverEdge) {
   Stage s;
   s.ground(2);
-  s.add(rectangle({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}));  // from (0,0,2) its shadow is the ground, to the edge
+  // from (0,0,2) its shadow is the ground, to the edge
+  s.add(rectangle({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}));
   expect_right(s.scene, Light::point({0, 0, 2}));
   s.add(rectangle({-1, -1, 1}, {1, 0, 0}, {0, 1, 0.5}));
   expect_right(s.scene, Light::point({0, 0, 2}));
@@ -346,7 +362,8 @@ TEST(Shadows, ConcaveCasterWithHoles) {
   Stage s;
   s.ground(8);
   Mesh mesh;
-  mesh.vertices = {{0, 0, 2}, {4, 0, 2}, {4, 4, 2}, {0, 4, 2}, {1, 1, 2}, {3, 1, 2}, {3, 3, 2}, {1, 3, 2}};
+  mesh.vertices = {{0, 0, 2}, {4, 0, 2}, {4, 4, 2}, {0, 4, 2},
+                   {1, 1, 2}, {3, 1, 2}, {3, 3, 2}, {1, 3, 2}};
   mesh.add_face({0, 1, 2, 3});
   constexpr std::array<std::uint32_t, 4> hole{4, 7, 6, 5};
   mesh.add_hole(hole);
@@ -430,7 +447,8 @@ TEST(Shadows, RangeAndConeOnRandomScenes) {
     scenes::Random random(seed);
     Light light = Light::point(random.in_cube(-2, 2) + Vec3(0, 0, 3));
     if (seed % 3 != 0) light.range = random.in(0.5, 4);
-    if (seed % 3 != 1) light.spot = Light::Spot{random.in_ball(1) - Vec3(0, 0, 0.5), random.in(0.05, 3.1)};
+    if (seed % 3 != 1)
+      light.spot = Light::Spot{random.in_ball(1) - Vec3(0, 0, 0.5), random.in(0.05, 3.1)};
     expect_right(scenes::build(data), light, {}, true);
   }
 }
@@ -494,7 +512,8 @@ TEST_P(RandomScenes, MatchTheOracleAsOpenSheetsThatCastOrNot) {
 INSTANTIATE_TEST_SUITE_P(Kinds, RandomScenes, ::testing::ValuesIn(kAllKinds),
                          [](const auto& info) { return std::string(name_of(info.param)); });
 
-// The generated scenes as they stand in memory (those with files are in reference_test.cpp, against shipped areas).
+// The generated scenes as they stand in memory (those with files are in reference_test.cpp, against
+// shipped areas).
 TEST(GeneratedScenes, FurnishedRoom) {
   const SceneData data = scenes::furnished_room();
   const Scene scene = scenes::build(data);
@@ -508,7 +527,8 @@ TEST(GeneratedScenes, Rooms) {
     SCOPED_TRACE(data.name);
     expect_right(scenes::build(data), data.light);
     expect_right(scenes::build(data), Light::directional({0.4, 0.3, -1}));
-    expect_right(scenes::build(data), Light::point({3, 2.5, 0.73}));  // at the height of the desk tops
+    // at the height of the desk tops
+    expect_right(scenes::build(data), Light::point({3, 2.5, 0.73}));
   }
 }
 
@@ -517,7 +537,8 @@ TEST(GeneratedScenes, Tetrahedra) {
     const SceneData data = scenes::tetrahedron(depth);
     SCOPED_TRACE(data.name);
     expect_right(scenes::build(data), data.light);
-    expect_right(scenes::build(data), Light::point({0, 0, 3}));  // on the axis of symmetry: shadows meet in edges and corners
+    // on the axis of symmetry: shadows meet in edges and corners
+    expect_right(scenes::build(data), Light::point({0, 0, 3}));
     expect_right(scenes::build(data), Light::directional({0, 0, -1}));
   }
 }

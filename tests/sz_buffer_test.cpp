@@ -1,5 +1,6 @@
-// The SZ-buffer and the shadow textures of Oh & Shin: what is kept from frame to frame is what is made from nothing, to the bit; the method
-// that they compare with makes the same textures; and the picture is that of exact shadow volumes, but for the textures' resolution.
+// The SZ-buffer and the shadow textures of Oh & Shin: what is kept from frame to frame is what is
+// made from nothing, to the bit; the method that they compare with makes the same textures; and the
+// picture is that of exact shadow volumes, but for the textures' resolution.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,9 +51,11 @@ Mesh random_mesh(Random& random) {
 class Company {
  public:
   Company(std::uint64_t seed, const Light& light, int count) : random_(seed) {
-    scene.add(scenes::rectangle(Vec3(-6, -6, 0), Vec3(12, 0, 0), Vec3(0, 12, 0)), {.name = "floor"});
+    scene.add(scenes::rectangle(Vec3(-6, -6, 0), Vec3(12, 0, 0), Vec3(0, 12, 0)),
+              {.name = "floor"});
     scene.add(light);
-    for (int k = 0; k < count; ++k) members_.push_back({random_mesh(random_), random_pose(random_), {}, false, true});
+    for (int k = 0; k < count; ++k)
+      members_.push_back({random_mesh(random_), random_pose(random_), {}, false, true});
     for (Member& m : members_) m.id = scene.add(m.mesh, {.name = "thing", .pose = m.pose});
   }
 
@@ -80,7 +83,8 @@ class Company {
   void move(Member& m) {
     m.pose.pretranslate(random_.in_cube(-0.2, 0.2));
     m.pose.rotate(Eigen::AngleAxisd(random_.in(-0.3, 0.3), Vec3::UnitZ()));
-    m.pose.translation() = m.pose.translation().cwiseMax(Vec3(-4.5, -4.5, -0.5)).cwiseMin(Vec3(4.5, 4.5, 3));
+    m.pose.translation() =
+        m.pose.translation().cwiseMax(Vec3(-4.5, -4.5, -0.5)).cwiseMin(Vec3(4.5, 4.5, 3));
     EXPECT_EQ(scene.set_pose(m.id, m.pose), Edit::done);
   }
 
@@ -101,16 +105,20 @@ bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
-std::string difference(const std::vector<ShadowTexture::Texels>& a, const std::vector<ShadowTexture::Texels>& b) {
+std::string difference(const std::vector<ShadowTexture::Texels>& a,
+                       const std::vector<ShadowTexture::Texels>& b) {
   if (a.size() != b.size()) return text(a.size(), " textures, and ", b.size());
   for (std::size_t k = 0; k < a.size(); ++k)
-    if (a[k] != b[k]) return text("textures of object ", a[k].object, ", receiver ", a[k].receiver, ", view ", a[k].view);
+    if (a[k] != b[k])
+      return text("textures of object ", a[k].object, ", receiver ", a[k].receiver, ", view ",
+                  a[k].view);
   return "";
 }
 
 std::string difference(const ShadowTexture& a, const ShadowTexture& b) {
   for (std::size_t view = 0; view < a.views(0).size(); ++view)
-    if (!same_bits(a.sz_buffer(0).read(view), b.sz_buffer(0).read(view))) return text("depths of view ", view);
+    if (!same_bits(a.sz_buffer(0).read(view), b.sz_buffer(0).read(view)))
+      return text("depths of view ", view);
   return difference(a.texels(0), b.texels(0));
 }
 
@@ -138,7 +146,8 @@ void keep_up(const Light& light, std::uint64_t seed) {
     if (frame % 25 == 24) {
       ShadowTexture fresh(company.scene, model, {Method::sz_buffer, true, small_side});
       fresh.update();
-      ASSERT_EQ(difference(kept, fresh), "") << "seed " << seed << ", frame " << frame << ", from nothing";
+      ASSERT_EQ(difference(kept, fresh), "")
+          << "seed " << seed << ", frame " << frame << ", from nothing";
     }
     int k = 0;
     for (const char* mobility : {"ss", "sd", "ds", "dd"}) seen[k++] += figure(kept, mobility);
@@ -149,7 +158,9 @@ void keep_up(const Light& light, std::uint64_t seed) {
 }
 
 TEST(SzBuffer, OfAPointLightIsKeptToTheBit) { keep_up(Light::point(Vec3(0.4, 0.3, 3.1)), 1); }
-TEST(SzBuffer, OfADirectionalLightIsKeptToTheBit) { keep_up(Light::directional(Vec3(0.3, 0.2, -1)), 2); }
+TEST(SzBuffer, OfADirectionalLightIsKeptToTheBit) {
+  keep_up(Light::directional(Vec3(0.3, 0.2, -1)), 2);
+}
 
 TEST(SzBuffer, IsMadeAnewWhenItsLightMovesOrTheSceneOutgrowsIt) {
   const render::OffscreenContext context;
@@ -171,10 +182,13 @@ TEST(SzBuffer, IsMadeAnewWhenItsLightMovesOrTheSceneOutgrowsIt) {
   compare("outgrown");
   EXPECT_TRUE(kept.views(0).afresh());
   EXPECT_FALSE(kept.views(0).extent(0, 5).empty());
-  ASSERT_EQ(company.scene.set_light(company.scene.light_id(0), Light::directional(Vec3(0.2, -0.3, -1))), Edit::done);
+  ASSERT_EQ(
+      company.scene.set_light(company.scene.light_id(0), Light::directional(Vec3(0.2, -0.3, -1))),
+      Edit::done);
   compare("light moved");
   EXPECT_TRUE(kept.views(0).afresh());
-  ASSERT_EQ(company.scene.set_light(company.scene.light_id(0), Light::point(Vec3(0.2, -0.3, 4))), Edit::done);
+  ASSERT_EQ(company.scene.set_light(company.scene.light_id(0), Light::point(Vec3(0.2, -0.3, 4))),
+            Edit::done);
   compare("another kind of light");
   EXPECT_EQ(kept.views(0).size(), 6u);
   compare("nothing happens");
@@ -184,7 +198,8 @@ TEST(SzBuffer, IsMadeAnewWhenItsLightMovesOrTheSceneOutgrowsIt) {
 TEST(ShadowTexture, IsTheQuadraticMethodsToTheBit) {
   const render::OffscreenContext context;
   for (const std::uint64_t seed : {4, 5}) {
-    const Light light = seed == 4 ? Light::point(Vec3(0.4, 0.3, 3.1)) : Light::directional(Vec3(0.3, 0.2, -1));
+    const Light light =
+        seed == 4 ? Light::point(Vec3(0.4, 0.3, 3.1)) : Light::directional(Vec3(0.3, 0.2, -1));
     Company company(seed, light, 30);
     Model model(company.scene);
     ShadowTexture theirs(company.scene, model, {Method::sz_buffer, true, small_side});
@@ -194,7 +209,8 @@ TEST(ShadowTexture, IsTheQuadraticMethodsToTheBit) {
       model.scene_changed(company.scene);
       theirs.update();
       before.update();
-      ASSERT_EQ(difference(theirs.texels(0), before.texels(0)), "") << "seed " << seed << ", frame " << frame;
+      ASSERT_EQ(difference(theirs.texels(0), before.texels(0)), "")
+          << "seed " << seed << ", frame " << frame;
     }
   }
 }
@@ -206,17 +222,21 @@ int contrast(const std::uint8_t* a, const std::uint8_t* b) {
 // Rays against every facet.
 class Rays {
  public:
-  Rays(const Scene& scene, double texel) : scene_(scene), light_(scene.lights()[0]), texel_(texel) {}
+  Rays(const Scene& scene, double texel)
+      : scene_(scene), light_(scene.lights()[0]), texel_(texel) {}
 
-  // What the texels around a pixel's point can say: 'l' or 's' if all of its rays from the light are lit or shadowed, '?' if an edge of the
-  // face or of a shadow is within a texel; ' ' where the pixel shows nothing.
+  // What the texels around a pixel's point can say: 'l' or 's' if all of its rays from the light
+  // are lit or shadowed, '?' if an edge of the face or of a shadow is within a texel; ' ' where the
+  // pixel shows nothing.
   char state_at(const render::Frame& frame, int x, int y) const {
-    const Eigen::Vector4d ndc((x + 0.5) / frame.width * 2 - 1, 1 - (y + 0.5) / frame.height * 2, 0, 1);
+    const Eigen::Vector4d ndc((x + 0.5) / frame.width * 2 - 1, 1 - (y + 0.5) / frame.height * 2, 0,
+                              1);
     const Vec3 seen = (frame.clip.inverse() * ndc).hnormalized(), eye = frame.camera.eye;
     const auto [at, facet] = nearest(eye, seen - eye);
     if (facet == none) return ' ';
     const Plane& plane = scene_.planes()[scene_.facets()[facet].plane];
-    const Vec3 to_light = light_.kind == Light::Kind::point ? Vec3(light_.at - plane.point) : Vec3(-light_.at);
+    const Vec3 to_light =
+        light_.kind == Light::Kind::point ? Vec3(light_.at - plane.point) : Vec3(-light_.at);
     if (plane.normal.dot(to_light) * plane.normal.dot(eye - plane.point) < 0) return 's';
     char all = 0;
     for (int i = -2; i <= 2; ++i)
@@ -238,8 +258,10 @@ class Rays {
     const Vec3 x = from + at * along;
     const auto corners = scene_.corners_of(facet);
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      const Vec3 &a = scene_.vertices()[corners[i].vertex], &b = scene_.vertices()[corners[i + 1 == corners.size() ? 0 : i + 1].vertex];
-      if ((b - a).cross(x - a).dot(plane.normal) < 0) return std::numeric_limits<double>::infinity();
+      const Vec3 &a = scene_.vertices()[corners[i].vertex],
+                 &b = scene_.vertices()[corners[i + 1 == corners.size() ? 0 : i + 1].vertex];
+      if ((b - a).cross(x - a).dot(plane.normal) < 0)
+        return std::numeric_limits<double>::infinity();
     }
     return at;
   }
@@ -247,7 +269,9 @@ class Rays {
   std::pair<double, std::uint32_t> nearest(const Vec3& from, const Vec3& along) const {
     std::pair<double, std::uint32_t> best{std::numeric_limits<double>::infinity(), none};
     for (std::uint32_t f = 0; f < scene_.facets().size(); ++f)
-      if (const double at = scene_.facets()[f].corner_count == 0 ? -1 : meet(f, from, along); at > 0 && at < best.first) best = {at, f};
+      if (const double at = scene_.facets()[f].corner_count == 0 ? -1 : meet(f, from, along);
+          at > 0 && at < best.first)
+        best = {at, f};
     return best;
   }
 
@@ -274,8 +298,8 @@ class Rays {
   const double texel_;  // its size, at distance one of a point light
 };
 
-// With 2048 texels to a view they are about as large as these pictures' pixels. Where the pictures differ, and at some pixels besides, rays
-// say what is right.
+// With 2048 texels to a view they are about as large as these pictures' pixels. Where the pictures
+// differ, and at some pixels besides, rays say what is right.
 void compare_pictures(const Scene& scene, const render::Camera& camera, const std::string& what) {
   constexpr int width = 480, height = 360;
   const Model model(scene);
@@ -290,20 +314,24 @@ void compare_pictures(const Scene& scene, const render::Camera& camera, const st
   const Picture textures = picture_by("shadow-texture"), volumes = picture_by("stencil-zfail");
   model.draw_ambient(frame);
   const Picture ambient = target.read();
-  const Rays rays(scene, (scene.lights()[0].kind == Light::Kind::point ? 1 : model.radius()) * 2 / 2048);
+  const Rays rays(scene,
+                  (scene.lights()[0].kind == Light::Kind::point ? 1 : model.radius()) * 2 / 2048);
   int differ = 0, near_edges = 0, asked = 0, wrong = 0;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const bool differs = contrast(textures.at(x, y), volumes.at(x, y)) > 12;
       if (!differs && (x * 7 + y * 13) % 128 != 0) continue;
-      const char right = rays.state_at(frame, x, y), drawn = contrast(textures.at(x, y), ambient.at(x, y)) > 12 ? 'l' : 's';
+      const char right = rays.state_at(frame, x, y),
+                 drawn = contrast(textures.at(x, y), ambient.at(x, y)) > 12 ? 'l' : 's';
       ++asked;
       differ += differs;
       near_edges += differs && right == '?';
       wrong += right != '?' && right != ' ' && right != drawn;
     }
-  std::printf("%s: %d pixels differ (%.3f %%), %d of them within a texel of an edge; of %d pixels asked, %d wrong elsewhere\n",
-              what.c_str(), differ, 100.0 * differ / (width * height), near_edges, asked, wrong);
+  std::printf(
+      "%s: %d pixels differ (%.3f %%), %d of them within a texel of an edge; of %d pixels asked, "
+      "%d wrong elsewhere\n",
+      what.c_str(), differ, 100.0 * differ / (width * height), near_edges, asked, wrong);
   EXPECT_LT(differ, width * height / 200) << what;
   EXPECT_EQ(wrong, 0) << what;
 }
@@ -312,14 +340,16 @@ TEST(ShadowTexture, DrawsTheRoomAsShadowVolumesDo) {
   const render::OffscreenContext context;
   const Scene scene = scenes::build(scenes::room(4));
   compare_pictures(scene, {Vec3(0.3, 0.3, 2.5), Vec3(6, 5, 0.2), 1.3}, "room 4");
-  compare_pictures(scene, {Vec3(6, 5, 2), Vec3(0.3, 0.3, 0.2), 1.3}, "room 4, from the other corner");
+  compare_pictures(scene, {Vec3(6, 5, 2), Vec3(0.3, 0.3, 0.2), 1.3},
+                   "room 4, from the other corner");
 }
 
 TEST(ShadowTexture, DrawsRandomThingsAsShadowVolumesDo) {
   const render::OffscreenContext context;
   for (std::uint64_t seed = 10; seed < 14; ++seed) {
     const bool sun = seed % 2 == 1;
-    Company company(seed, sun ? Light::directional(Vec3(0.3, 0.2, -1)) : Light::point(Vec3(0.4, 0.3, 5.1)), 25);
+    Company company(
+        seed, sun ? Light::directional(Vec3(0.3, 0.2, -1)) : Light::point(Vec3(0.4, 0.3, 5.1)), 25);
     compare_pictures(company.scene, {Vec3(-7, -5, 5), Vec3(0, 0, 0.5), 1.0}, text("seed ", seed));
   }
 }

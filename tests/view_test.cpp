@@ -18,14 +18,16 @@ using scenes::Random;
 constexpr double pi = std::numbers::pi;
 
 void expect_near(const Vec3& a, const Vec3& b, double tolerance, const std::string& what = "") {
-  EXPECT_LT((a - b).norm(), tolerance) << a.transpose() << " is not " << b.transpose() << " " << what;
+  EXPECT_LT((a - b).norm(), tolerance)
+      << a.transpose() << " is not " << b.transpose() << " " << what;
 }
 
 render::Camera camera(const Vec3& eye, const Vec3& target) { return {eye, target}; }
 
 render::Camera random_camera(Random& random, const Eigen::AlignedBox3d& box) {
   const auto within = [&]() -> Vec3 {
-    return box.min() + Vec3(random.in(0.05, 0.95), random.in(0.05, 0.95), random.in(0.05, 0.95)).cwiseProduct(box.sizes());
+    return box.min() + Vec3(random.in(0.05, 0.95), random.in(0.05, 0.95), random.in(0.05, 0.95))
+                           .cwiseProduct(box.sizes());
   };
   render::Camera camera{within(), within()};
   camera.fov = random.in(0.3, 2);
@@ -45,7 +47,8 @@ std::uint32_t index_of(const Scene& scene, const std::string& name) {
 double ray_meets_triangle(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 u = b - a, v = c - a, p = ray.along.cross(v), s = ray.from - a, q = s.cross(u);
   const double det = u.dot(p), bu = s.dot(p) / det, bv = ray.along.dot(q) / det;
-  return bu >= 0 && bv >= 0 && bu + bv <= 1 ? v.dot(q) / det : std::numeric_limits<double>::infinity();
+  return bu >= 0 && bv >= 0 && bu + bv <= 1 ? v.dot(q) / det
+                                            : std::numeric_limits<double>::infinity();
 }
 
 double nearest_triangle(const Scene& scene, const Ray& ray, double near) {
@@ -53,7 +56,8 @@ double nearest_triangle(const Scene& scene, const Ray& ray, double near) {
   for (const Facet& facet : scene.facets()) {
     const auto corners = scene.corners_of(facet);
     for (std::size_t i = 2; i < corners.size(); ++i) {
-      const double t = ray_meets_triangle(ray, scene.vertices()[corners[0].vertex], scene.vertices()[corners[i - 1].vertex],
+      const double t = ray_meets_triangle(ray, scene.vertices()[corners[0].vertex],
+                                          scene.vertices()[corners[i - 1].vertex],
                                           scene.vertices()[corners[i].vertex]);
       if (t >= near) nearest = std::min(nearest, t);
     }
@@ -68,7 +72,8 @@ TEST(Walking, GoesWhereTheEyeLooksButAlongTheFloor) {
   walker.walk({.right = 1}, 0.5);
   expect_near(walker.camera().eye, {2, 1, 3}, 1e-12);
   walker.walk({.forward = -1, .up = 1, .run = true}, 0.5);
-  expect_near(walker.camera().eye, Vec3(2, 1, 3) + 4 / std::sqrt(2) * Vec3(-1, 0, 1), 1e-12, "running, at a slant no faster");
+  expect_near(walker.camera().eye, Vec3(2, 1, 3) + 4 / std::sqrt(2) * Vec3(-1, 0, 1), 1e-12,
+              "running, at a slant no faster");
   const Vec3 ahead = walker.camera().target - walker.camera().eye;
   expect_near(ahead, {1, 0, -0.5}, 1e-12, "still looking there");
 }
@@ -105,12 +110,14 @@ TEST(Walking, DependsOnTheTimeAndNotOnTheFrames) {
       left -= frame;
     }
     expect_near(once.camera().eye, often.camera().eye, 1e-9, "round " + std::to_string(round));
-    expect_near(once.camera().target, often.camera().target, 1e-9, "round " + std::to_string(round));
+    expect_near(once.camera().target, often.camera().target, 1e-9,
+                "round " + std::to_string(round));
   }
 }
 
 TEST(Walking, StartsInsideOfARoomAndOutsideOfWhatIsNone) {
-  const Scene room = scenes::build(scenes::furnished_room()), tower = scenes::build(scenes::tetrahedron(2));
+  const Scene room = scenes::build(scenes::furnished_room()),
+              tower = scenes::build(scenes::tetrahedron(2));
   EXPECT_TRUE(is_room(room));
   EXPECT_TRUE(box_of(room).contains(first_camera(room).eye));
   EXPECT_TRUE(box_of(room).contains(light_for(room).at));
@@ -157,7 +164,8 @@ TEST(Picking, FindsTheNearestFacetAsABruteRayDoes) {
       ASSERT_EQ(hit.has_value(), std::isfinite(expected)) << name << " " << round;
       if (!hit) continue;
       ++hits;
-      expect_near(hit->at, ray.from + expected * ray.along, 1e-9 * (1 + expected), name + " " + std::to_string(round));
+      expect_near(hit->at, ray.from + expected * ray.along, 1e-9 * (1 + expected),
+                  name + " " + std::to_string(round));
       EXPECT_EQ(scene.faces()[scene.facets()[hit->facet].face].object, hit->index);
     }
     EXPECT_GT(hits, 100) << name;
@@ -183,10 +191,12 @@ TEST(Picking, LightsComeFirstAndWithinTheirMarkers) {
   const Vec3 above = marker_of(scene.lights()[sun.index], box);
   EXPECT_FALSE(box.contains(above));
   const Light turned = moved_to(scene.lights()[sun.index], above + Vec3(1, 0, 0), box);
-  expect_near(marker_of(turned, box) - box.center(), 0.75 * box.diagonal().norm() * (above + Vec3(1, 0, 0) - box.center()).normalized(),
+  expect_near(marker_of(turned, box) - box.center(),
+              0.75 * box.diagonal().norm() * (above + Vec3(1, 0, 0) - box.center()).normalized(),
               1e-9);
   EXPECT_EQ(scene.remove(sun), Edit::done);
-  EXPECT_TRUE(pick(scene, screen, marker, 9, box)->is_light) << "a light that is gone is not picked";
+  EXPECT_TRUE(pick(scene, screen, marker, 9, box)->is_light)
+      << "a light that is gone is not picked";
 }
 
 TEST(Dragging, KeepsTheGrabbedPointUnderTheCursor) {
@@ -217,10 +227,13 @@ TEST(Dragging, KeepsTheGrabbedPointUnderTheCursor) {
 TEST(Dragging, StaysWhereTheCursorLeavesThePlane) {
   const render::Camera level = camera({0, 0, 1}, {1, 0, 1});
   const Vec3 held(3, 0, 0.5);
-  EXPECT_EQ(dragged(held, {level.eye, {1, 0, 0.2}}, level, false, 100), held) << "above the horizon";
-  EXPECT_EQ(dragged(held, {level.eye, {1, 0, -0.001}}, level, false, 100), held) << "almost along the plane";
+  EXPECT_EQ(dragged(held, {level.eye, {1, 0, 0.2}}, level, false, 100), held)
+      << "above the horizon";
+  EXPECT_EQ(dragged(held, {level.eye, {1, 0, -0.001}}, level, false, 100), held)
+      << "almost along the plane";
   EXPECT_EQ(dragged(held, {level.eye, {1, 0, -0.03}}, level, false, 10), held) << "too far away";
-  expect_near(dragged(held, {level.eye, {1, 0, -0.03}}, level, false, 100), {0.5 / 0.03, 0, 0.5}, 1e-9);
+  expect_near(dragged(held, {level.eye, {1, 0, -0.03}}, level, false, 100), {0.5 / 0.03, 0, 0.5},
+              1e-9);
   expect_near(dragged(held, {level.eye, {1, 0, 0.2}}, level, true, 100), {3, 0, 1.6}, 1e-9);
 }
 
@@ -229,16 +242,20 @@ TEST(Dragging, TheShellHoldsFast) {
   const Eigen::AlignedBox3d all = box_of(scene);
   const Vec3 eye(5, 3, 1.7);
   for (std::uint32_t k = 0; k < scene.objects().size(); ++k)
-    EXPECT_EQ(is_draggable(scene, k, all, eye), scene.objects()[k].name != "room") << scene.objects()[k].name;
+    EXPECT_EQ(is_draggable(scene, k, all, eye), scene.objects()[k].name != "room")
+        << scene.objects()[k].name;
   const std::uint32_t desk = index_of(scene, "desk.1");
   Vec3 within = Vec3::Zero();
   for (std::uint32_t v = 0; v < scene.objects()[desk].vertex_count; ++v)
-    within += scene.vertices()[scene.objects()[desk].first_vertex + v] / scene.objects()[desk].vertex_count;
+    within += scene.vertices()[scene.objects()[desk].first_vertex + v] /
+              scene.objects()[desk].vertex_count;
   EXPECT_FALSE(is_draggable(scene, desk, all, within)) << "the eye is in it";
 
   // A floor and a wall of their own, and a thing on the floor.
   Scene parts;
-  const auto add = [&](const char* name, Mesh mesh) { return parts.add(mesh, {.name = name}).index; };
+  const auto add = [&](const char* name, Mesh mesh) {
+    return parts.add(mesh, {.name = name}).index;
+  };
   const std::uint32_t floor = add("floor", scenes::rectangle({0, 0, 0}, {9, 0, 0}, {0, 8, 0}));
   const std::uint32_t wall = add("wall", scenes::rectangle({0, 0, 0}, {0, 8, 0}, {0, 0, 3}));
   const std::uint32_t thing = add("thing", scenes::box({3, 3, 0}, {4, 7, 1}));
@@ -261,13 +278,18 @@ TEST(Arranging, EverythingGoesBack) {
     for (int step = 0; step < 60; ++step) {
       const auto object = static_cast<std::uint32_t>(random.below(scene.objects().size()));
       const auto light = static_cast<std::uint32_t>(random.below(scene.lights().size()));
-      const bool has_object = scene.objects()[object].alive, has_light = scene.light_id(light).index != none;
+      const bool has_object = scene.objects()[object].alive,
+                 has_light = scene.light_id(light).index != none;
       switch (random.below(5)) {
         case 0:
-          if (has_object) arrangement.set_pose(object, Eigen::Translation3d(random.in_ball(1)) * scene.objects()[object].pose);
+          if (has_object)
+            arrangement.set_pose(
+                object, Eigen::Translation3d(random.in_ball(1)) * scene.objects()[object].pose);
           break;
         case 1:
-          if (has_light) arrangement.set_light(light, moved_to(scene.lights()[light], random.in_ball(2), box_of(first)));
+          if (has_light)
+            arrangement.set_light(
+                light, moved_to(scene.lights()[light], random.in_ball(2), box_of(first)));
           break;
         case 2:
           if (has_object) arrangement.remove(false, object);
@@ -288,11 +310,13 @@ TEST(Arranging, EverythingGoesBack) {
       EXPECT_EQ(now.pose.matrix(), object.pose.matrix()) << object.name << " seed " << seed;
       ASSERT_EQ(now.vertex_count, object.vertex_count);
       for (std::uint32_t v = 0; v < now.vertex_count; ++v)
-        EXPECT_EQ(scene.vertices()[now.first_vertex + v], first.vertices()[object.first_vertex + v]) << object.name << " seed " << seed;
+        EXPECT_EQ(scene.vertices()[now.first_vertex + v], first.vertices()[object.first_vertex + v])
+            << object.name << " seed " << seed;
     }
     for (const Light& light : first.lights()) {
-      EXPECT_TRUE(std::any_of(scene.lights().begin(), scene.lights().end(),
-                              [&](const Light& l) { return l.at == light.at && l.kind == light.kind; }))
+      EXPECT_TRUE(
+          std::any_of(scene.lights().begin(), scene.lights().end(),
+                      [&](const Light& l) { return l.at == light.at && l.kind == light.kind; }))
           << "seed " << seed;
     }
   }

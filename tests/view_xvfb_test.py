@@ -23,7 +23,15 @@ PATIENCE = 240  # seconds; only a failure takes them
 WIDTH, HEIGHT = 320, 240
 ROOM_LIGHT = "point:2.61,2.23,2.41"
 CAMERA = "0.2,0.25,2.3,4,2.0,0.2"  # sees no two faces in one plane, which a depth buffer cannot tell apart
-TECHNIQUES = ["fragments", "stencil-standard", "stencil-zfail", "stencil-hybrid", "stencil-kolic", "shadow-texture", "shadow-map"]
+TECHNIQUES = [
+    "fragments",
+    "stencil-standard",
+    "stencil-zfail",
+    "stencil-hybrid",
+    "stencil-kolic",
+    "shadow-texture",
+    "shadow-map",
+]
 
 
 def read_png(path):
@@ -33,19 +41,27 @@ def read_png(path):
     assert content[:8] == b"\x89PNG\r\n\x1a\n", path
     at, data = 8, b""
     while at < len(content):
-        length, kind = struct.unpack(">I4s", content[at:at + 8])
+        length, kind = struct.unpack(">I4s", content[at : at + 8])
         if kind == b"IHDR":
-            width, height, depth, colour, _, _, interlaced = struct.unpack(">IIBBBBB", content[at + 8:at + 21])
+            width, height, depth, colour, _, _, interlaced = struct.unpack(
+                ">IIBBBBB", content[at + 8 : at + 21]
+            )
             assert (depth, colour, interlaced) == (8, 6, 0), path
         if kind == b"IDAT":
-            data += content[at + 8:at + 8 + length]
+            data += content[at + 8 : at + 8 + length]
         at += 12 + length
     raw, row_size, pixels = zlib.decompress(data), 4 * width, []
     above = bytearray(row_size)
     for y in range(height):
-        kind, row = raw[y * (row_size + 1)], bytearray(raw[y * (row_size + 1) + 1:(y + 1) * (row_size + 1)])
+        kind, row = raw[y * (row_size + 1)], bytearray(
+            raw[y * (row_size + 1) + 1 : (y + 1) * (row_size + 1)]
+        )
         for i in range(row_size) if kind else ():
-            left, up, corner = (row[i - 4] if i >= 4 else 0), above[i], (above[i - 4] if i >= 4 else 0)
+            left, up, corner = (
+                (row[i - 4] if i >= 4 else 0),
+                above[i],
+                (above[i - 4] if i >= 4 else 0),
+            )
             if kind == 1:
                 guess = left
             elif kind == 2:
@@ -54,16 +70,22 @@ def read_png(path):
                 guess = (left + up) // 2
             else:
                 slope = left + up - corner
-                guess = min((abs(slope - left), 0, left), (abs(slope - up), 1, up), (abs(slope - corner), 2, corner))[2]
+                guess = min(
+                    (abs(slope - left), 0, left),
+                    (abs(slope - up), 1, up),
+                    (abs(slope - corner), 2, corner),
+                )[2]
             row[i] = (row[i] + guess) & 255
-        pixels += [bytes(row[i:i + 3]) for i in range(0, row_size, 4)]
+        pixels += [bytes(row[i : i + 3]) for i in range(0, row_size, 4)]
         above = row
     return width, height, pixels
 
 
 def share_that_differs(a, b, by=2):
     assert a[:2] == b[:2], (a[:2], b[:2])
-    return sum(max(abs(p - q) for p, q in zip(x, y)) > by for x, y in zip(a[2], b[2]) if x != y) / len(a[2])
+    return sum(
+        max(abs(p - q) for p, q in zip(x, y)) > by for x, y in zip(a[2], b[2]) if x != y
+    ) / len(a[2])
 
 
 def pixel_of(point, camera=CAMERA, fov=60):
@@ -93,8 +115,21 @@ class Server:
 
     def __init__(self, *arguments):
         reading, writing = os.pipe()
-        self.process = subprocess.Popen(["Xvfb", "-displayfd", str(writing), "-screen", "0", "1280x1024x24", "-nolisten", "tcp", *arguments],
-                                        pass_fds=(writing,), stderr=subprocess.DEVNULL)
+        self.process = subprocess.Popen(
+            [
+                "Xvfb",
+                "-displayfd",
+                str(writing),
+                "-screen",
+                "0",
+                "1280x1024x24",
+                "-nolisten",
+                "tcp",
+                *arguments,
+            ],
+            pass_fds=(writing,),
+            stderr=subprocess.DEVNULL,
+        )
         os.close(writing)
         with os.fdopen(reading) as number:
             self.name = ":" + number.readline().strip()
@@ -138,23 +173,33 @@ class View(unittest.TestCase):
 
     def environment(self, **changes):
         variables = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
-        sanitizer = variables.get("ASAN_OPTIONS", "") + ":detect_leaks=0"  # what libraries of the display that are unloaded leave behind
+        sanitizer = (
+            variables.get("ASAN_OPTIONS", "") + ":detect_leaks=0"
+        )  # what libraries of the display that are unloaded leave behind
         variables.update(LIBGL_ALWAYS_SOFTWARE="1", ASAN_OPTIONS=sanitizer, **changes)
         return variables
 
     def start(self, *arguments, says="shadowcut - ", server=None):
         server = server or self.server
-        self.program = subprocess.Popen([PROGRAM, "view", "--size", f"{WIDTH}x{HEIGHT}", *arguments], cwd=self.folder, text=True,
-                                        stderr=subprocess.PIPE, env=self.environment(DISPLAY=server.name))
+        self.program = subprocess.Popen(
+            [PROGRAM, "view", "--size", f"{WIDTH}x{HEIGHT}", *arguments],
+            cwd=self.folder,
+            text=True,
+            stderr=subprocess.PIPE,
+            env=self.environment(DISPLAY=server.name),
+        )
         self.addCleanup(self.program.stderr.close)
         self.addCleanup(self.program.wait)
         self.addCleanup(self.program.kill)
 
         def shown():
             for window in server.windows():
-                if server.title(window).startswith(says) and server.title(window).endswith(tuple(TECHNIQUES)):
+                if server.title(window).startswith(says) and server.title(window).endswith(
+                    tuple(TECHNIQUES)
+                ):
                     return window
             return None
+
         self.window = self.wait_for(shown, "the window with its first picture")
         self.point(WIDTH // 2, HEIGHT // 2)
 
@@ -165,7 +210,9 @@ class View(unittest.TestCase):
             if answer:
                 return answer
             if self.program.poll() is not None:
-                self.fail(f"the program ended with {self.program.returncode} before {what}: {self.program.stderr.read()}")
+                self.fail(
+                    f"the program ended with {self.program.returncode} before {what}: {self.program.stderr.read()}"
+                )
             time.sleep(0.02)
         self.fail("waited too long for " + what)
 
@@ -208,13 +255,34 @@ class View(unittest.TestCase):
 
     def rendered(self, *arguments):
         path = os.path.join(self.folder, "rendered.png.out")
-        subprocess.run([PROGRAM, "render", *arguments, "--size", f"{WIDTH}x{HEIGHT}", "--quiet", "-o", path[:-4]], check=True, timeout=PATIENCE,
-                       env=self.environment())
+        subprocess.run(
+            [
+                PROGRAM,
+                "render",
+                *arguments,
+                "--size",
+                f"{WIDTH}x{HEIGHT}",
+                "--quiet",
+                "-o",
+                path[:-4],
+            ],
+            check=True,
+            timeout=PATIENCE,
+            env=self.environment(),
+        )
         os.rename(path[:-4], path)  # not counted among the window's
         return read_png(path)
 
     def start_room(self, *arguments):
-        self.start(os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT, "--camera", CAMERA, *arguments, says="shadowcut - room1.obj - ")
+        self.start(
+            os.path.join(DATA, "room1.obj"),
+            "--light",
+            ROOM_LIGHT,
+            "--camera",
+            CAMERA,
+            *arguments,
+            says="shadowcut - room1.obj - ",
+        )
 
     @staticmethod
     def limit(technique):
@@ -234,10 +302,22 @@ class View(unittest.TestCase):
         for technique in TECHNIQUES[1:] + TECHNIQUES[:1]:
             self.switch_to(technique)
             pictures[technique] = self.screenshot()
-            drawn = self.rendered(os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT, "--camera", CAMERA, "--technique", technique)
+            drawn = self.rendered(
+                os.path.join(DATA, "room1.obj"),
+                "--light",
+                ROOM_LIGHT,
+                "--camera",
+                CAMERA,
+                "--technique",
+                technique,
+            )
             self.assertLess(share_that_differs(pictures[technique], drawn), 0.0005, technique)
         for technique in TECHNIQUES:
-            self.assertLess(share_that_differs(pictures["fragments"], pictures[technique]), self.limit(technique), technique)
+            self.assertLess(
+                share_that_differs(pictures["fragments"], pictures[technique]),
+                self.limit(technique),
+                technique,
+            )
         self.press("Escape")
         self.ends()
 
@@ -273,14 +353,24 @@ class View(unittest.TestCase):
             moved = self.screenshot()
             self.assertGreater(share_that_differs(before, moved), 0.03, technique)
             self.switch_to("fragments")
-            self.assertLess(share_that_differs(self.screenshot(), moved), self.limit(technique), technique)
+            self.assertLess(
+                share_that_differs(self.screenshot(), moved), self.limit(technique), technique
+            )
             self.press("r")
         self.press("Escape")
         self.ends()
 
     def test_lights_are_dragged_removed_and_brought_back_and_walls_hold_fast(self):
         camera = "0.3,1.2,0.9,3,2.4,1.7"
-        self.start(os.path.join(DATA, "room1.obj"), "--light", ROOM_LIGHT, "--light", "point:1.2,3.6,2.2", "--camera", camera)
+        self.start(
+            os.path.join(DATA, "room1.obj"),
+            "--light",
+            ROOM_LIGHT,
+            "--light",
+            "point:1.2,3.6,2.2",
+            "--camera",
+            camera,
+        )
         first = self.screenshot()
         start, end = pixel_of((2.61, 2.23, 2.41), camera), pixel_of((4.0, 2.23, 2.41), camera)
         self.drag(start, end)
@@ -310,6 +400,7 @@ class View(unittest.TestCase):
             before = self.processor_time()
             time.sleep(0.3)
             return self.processor_time() == before
+
         self.wait_for(rests, "rest")
         self.window.unmap()
         self.server.display.sync()
@@ -327,7 +418,10 @@ class View(unittest.TestCase):
         for key in ("w", "a", "s", "d", "q", "e", "Left", "Up"):
             # However short the key is held and however slow the machine: until the picture has changed.
             self.server.input(X.KeyPress, self.server.code(key))
-            self.wait_for(lambda: share_that_differs(first, self.screenshot()) > 0.01, "the camera to follow " + key)
+            self.wait_for(
+                lambda: share_that_differs(first, self.screenshot()) > 0.01,
+                "the camera to follow " + key,
+            )
             self.server.input(X.KeyRelease, self.server.code(key))
             self.press("Home")
             self.assertEqual(share_that_differs(first, self.screenshot(), by=0), 0, key)
@@ -342,15 +436,27 @@ class View(unittest.TestCase):
         self.ends()
 
     def test_the_wind_blows_where_shadows_follow_it(self):
-        self.start(os.path.join(DATA, "branch3.obj"), "--light", "point:1.13,-0.91,4.7", "--camera", "2.2,-2.4,2.6,0,0,0.9",
-                   "--technique", "stencil-kolic")
+        self.start(
+            os.path.join(DATA, "branch3.obj"),
+            "--light",
+            "point:1.13,-0.91,4.7",
+            "--camera",
+            "2.2,-2.4,2.6,0,0,0.9",
+            "--technique",
+            "stencil-kolic",
+        )
         still = self.screenshot()
         for technique in ("stencil-kolic", "shadow-map"):
             self.switch_to(technique)
             self.press("v")
-            self.wait_for(lambda: share_that_differs(still, self.screenshot()) > 0.01, "the branch to bend")
+            self.wait_for(
+                lambda: share_that_differs(still, self.screenshot()) > 0.01, "the branch to bend"
+            )
             before = self.screenshot()
-            self.wait_for(lambda: share_that_differs(before, self.screenshot()) > 0.002, "the branch to bend on")
+            self.wait_for(
+                lambda: share_that_differs(before, self.screenshot()) > 0.002,
+                "the branch to bend on",
+            )
             self.press("v")
             self.assertLess(share_that_differs(still, self.screenshot()), self.limit("shadow-map"))
         self.press("v")
@@ -397,7 +503,9 @@ class View(unittest.TestCase):
         for width, height in ((1, 1), (640, 200), (1, 300), (900, 700), (WIDTH, HEIGHT)):
             self.window.configure(width=width, height=height)
             self.server.display.sync()
-            self.wait_for(lambda: self.screenshot()[:2] == (width, height), f"a picture of {width}x{height}")
+            self.wait_for(
+                lambda: self.screenshot()[:2] == (width, height), f"a picture of {width}x{height}"
+            )
         self.assertEqual(share_that_differs(first, self.screenshot(), by=0), 0)
         # An unmapped window is a minimised one; it comes back as it was, and can be closed as it is.
         self.window.unmap()
@@ -410,8 +518,13 @@ class View(unittest.TestCase):
 
     def close_by_its_button(self):
         atom = self.server.display.intern_atom
-        self.window.send_event(event.ClientMessage(window=self.window, client_type=atom("WM_PROTOCOLS"),
-                                                   data=(32, [atom("WM_DELETE_WINDOW"), X.CurrentTime, 0, 0, 0])))
+        self.window.send_event(
+            event.ClientMessage(
+                window=self.window,
+                client_type=atom("WM_PROTOCOLS"),
+                data=(32, [atom("WM_DELETE_WINDOW"), X.CurrentTime, 0, 0, 0]),
+            )
+        )
         self.server.display.sync()
 
     def test_a_screenshot_that_cannot_be_written_ends_nothing(self):
@@ -426,8 +539,14 @@ class View(unittest.TestCase):
         self.assertEqual(first[:2], (WIDTH, HEIGHT))
 
     def refused(self, *arguments, says, **changes):
-        result = subprocess.run([PROGRAM, "view", *arguments], capture_output=True, text=True, timeout=PATIENCE, cwd=self.folder,
-                                env=self.environment(**changes))
+        result = subprocess.run(
+            [PROGRAM, "view", *arguments],
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            cwd=self.folder,
+            env=self.environment(**changes),
+        )
         self.assertEqual(result.returncode, 2, result.stderr)
         self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
         for word in says:

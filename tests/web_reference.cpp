@@ -1,5 +1,6 @@
-// Writes scenes, random edits, and what the engine makes of them after every edit, as JSON for web/shadowcut/test: numbers with as many
-// digits as bring every bit back, fragments as a sum of hashes of all their corners' bits.
+// Writes scenes, random edits, and what the engine makes of them after every edit, as JSON for
+// web/shadowcut/test: numbers with as many digits as bring every bit back, fragments as a sum of
+// hashes of all their corners' bits.
 //
 //   web_reference OUT.json
 #include <bit>
@@ -24,7 +25,8 @@ void write(const Pose& pose) {
 }
 void write(const Vec3& x) { std::fprintf(out, "[%.17g,%.17g,%.17g]", x[0], x[1], x[2]); }
 void write(const Light& light) {
-  std::fprintf(out, R"({"kind":"%s","at":)", light.kind == Light::Kind::point ? "point" : "directional");
+  std::fprintf(out, R"({"kind":"%s","at":)",
+               light.kind == Light::Kind::point ? "point" : "directional");
   write(light.at);
   std::fputs("}", out);
 }
@@ -39,12 +41,14 @@ void write(const Mesh& mesh, const ObjectSettings& settings) {
   for (std::size_t f = 0; f < mesh.face_count(); ++f) {
     for (std::size_t k = 0; k < mesh.loop_count(f); ++k) {
       separator = k > 0 ? ",[" : f > 0 ? ",[[" : "[[";
-      for (const std::uint32_t corner : mesh.loop(f, k)) std::fprintf(out, "%s%" PRIu32, separator, corner), separator = ",";
+      for (const std::uint32_t corner : mesh.loop(f, k))
+        std::fprintf(out, "%s%" PRIu32, separator, corner), separator = ",";
       std::fputs("]", out);
     }
     std::fputs("]", out);
   }
-  std::fprintf(out, R"(]},"settings":{"sides":"%s","pose":)", sides[static_cast<int>(settings.sides)]);
+  std::fprintf(out, R"(]},"settings":{"sides":"%s","pose":)",
+               sides[static_cast<int>(settings.sides)]);
   write(settings.pose);
   std::fputs("}}", out);
 }
@@ -72,9 +76,11 @@ void write(const Engine& engine) {
       fragments += block.fragments.size();
       for (const Fragment& f : block.fragments) hashes += hash_of(block, f);
     }
-    std::fprintf(out, R"(%s{"fragments":%zu,"hashes":%)" PRIu32 R"(,"areas":)", light == 0 ? "" : ",", fragments, hashes);
+    std::fprintf(out, R"(%s{"fragments":%zu,"hashes":%)" PRIu32 R"(,"areas":)",
+                 light == 0 ? "" : ",", fragments, hashes);
     const char* separator = "[";
-    for (const FaceArea& area : shadows.areas) write(separator, area.lit), write(",", area.shadowed), separator = ",";
+    for (const FaceArea& area : shadows.areas)
+      write(separator, area.lit), write(",", area.shadowed), separator = ",";
     double undecided = 0;
     for (const double bound : engine.undecided(light)) undecided += bound;
     std::fprintf(out, R"(],"undecided":%.17g})", undecided);
@@ -93,7 +99,8 @@ void must(Edit edit) {
   if (edit != Edit::done) throw Error("an edit was not done");
 }
 
-void edit(Scene& scene, std::vector<Item>& items, const Light& lamp, double size, scenes::Random& random) {
+void edit(Scene& scene, std::vector<Item>& items, const Light& lamp, double size,
+          scenes::Random& random) {
   const std::size_t which = random.below(items.size());
   Item& item = items[which];
   if (!item.present) {
@@ -122,8 +129,11 @@ void edit(Scene& scene, std::vector<Item>& items, const Light& lamp, double size
       return;
     }
     default:
-      item.settings.pose = Eigen::Translation3d(size / 16 * random.in_cube(-1, 1)) * item.settings.pose;
-      if (random.below(2) == 0) item.settings.pose = item.settings.pose * Eigen::AngleAxisd(random.in(-0.5, 0.5), Vec3::UnitZ());
+      item.settings.pose =
+          Eigen::Translation3d(size / 16 * random.in_cube(-1, 1)) * item.settings.pose;
+      if (random.below(2) == 0)
+        item.settings.pose =
+            item.settings.pose * Eigen::AngleAxisd(random.in(-0.5, 0.5), Vec3::UnitZ());
       std::fprintf(out, R"({"object":%zu,"pose":)", which);
       write(item.settings.pose), std::fputs(",", out);
       must(scene.set_pose(item.id, item.settings.pose));
@@ -132,7 +142,8 @@ void edit(Scene& scene, std::vector<Item>& items, const Light& lamp, double size
 
 void write_history(const scenes::SceneData& data, Kernel kernel) {
   constexpr const char* kernels[] = {"fast", "exact", "single"};
-  std::fprintf(out, R"({"name":"%s","kernel":"%s","objects":[)", data.name.c_str(), kernels[static_cast<int>(kernel)]);
+  std::fprintf(out, R"({"name":"%s","kernel":"%s","objects":[)", data.name.c_str(),
+               kernels[static_cast<int>(kernel)]);
   Scene scene;
   std::vector<Item> items;
   Eigen::AlignedBox3d box;
@@ -166,10 +177,13 @@ void write_history(const scenes::SceneData& data, Kernel kernel) {
 
 int main(int argc, char** argv) {
   try {
-    if (argc != 2 || !(out = std::fopen(argv[1], "w"))) throw Error("usage: web_reference OUT.json");
+    if (argc != 2 || !(out = std::fopen(argv[1], "w")))
+      throw Error("usage: web_reference OUT.json");
     std::vector<scenes::SceneData> all;
-    for (const char* name : {"room:1", "city:4", "triangles:60", "spheres:3,8,5", "branch:2"}) all.push_back(scenes::named(name));
-    for (const testing::Kind kind : testing::kAllKinds) all.push_back(testing::random_scene(kind, 5));
+    for (const char* name : {"room:1", "city:4", "triangles:60", "spheres:3,8,5", "branch:2"})
+      all.push_back(scenes::named(name));
+    for (const testing::Kind kind : testing::kAllKinds)
+      all.push_back(testing::random_scene(kind, 5));
     const char* separator = "[";
     for (const scenes::SceneData& data : all) {
       for (const Kernel kernel : {Kernel::exact, Kernel::fast, Kernel::single}) {

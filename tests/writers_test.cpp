@@ -1,4 +1,5 @@
-// Writers and a scene with holes: objects and lights that have been removed leave gaps in the arrays, and no trace in any file.
+// Writers and a scene with holes: objects and lights that have been removed leave gaps in the
+// arrays, and no trace in any file.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -34,7 +35,8 @@ struct Holes : ::testing::Test {
     scene.add(second);
     Light third = Light::directional({0.3, 0.4, -1});
     scene.add(third);
-    for (const char* name : {"bookcase.1", "book.1", "poster"}) EXPECT_EQ(scene.remove(object_named(scene, name)), Edit::done) << name;
+    for (const char* name : {"bookcase.1", "book.1", "poster"})
+      EXPECT_EQ(scene.remove(object_named(scene, name)), Edit::done) << name;
     EXPECT_EQ(scene.remove(first), Edit::done);
   }
   ~Holes() override { fs::remove_all(folder); }
@@ -87,7 +89,8 @@ TEST_F(Holes, TheCameraSeesByTheLightsThatAreLeft) {
   view.target = Vec3(4, 4, 0.3);
   const std::string with_hole = written("d.svg", view);
   Scene tight = scenes::build(scenes::room(1));
-  for (const char* name : {"bookcase.1", "book.1", "poster"}) ASSERT_EQ(tight.remove(object_named(tight, name)), Edit::done);
+  for (const char* name : {"bookcase.1", "book.1", "poster"})
+    ASSERT_EQ(tight.remove(object_named(tight, name)), Edit::done);
   const std::vector<Light> left(scene.lights().begin() + 1, scene.lights().end());
   tight.replace_lights(left);
   scene = tight;
@@ -98,8 +101,9 @@ TEST_F(Holes, AFaceThatIsNoObjectsCannotBeDrawn) {
   io::View view;
   view.kind = io::View::Kind::face;
   const auto faces = scene.faces();
-  view.face =
-      static_cast<std::uint32_t>(std::find_if(faces.begin(), faces.end(), [](const Face& f) { return f.object == none; }) - faces.begin());
+  view.face = static_cast<std::uint32_t>(
+      std::find_if(faces.begin(), faces.end(), [](const Face& f) { return f.object == none; }) -
+      faces.begin());
   ASSERT_LT(view.face, faces.size());
   EXPECT_THROW(written("e.svg", view), Error);
 }
@@ -118,7 +122,9 @@ TEST_F(Holes, AreasHaveARowForEachFaceAndLightThatIsThere) {
     EXPECT_EQ(row.find("bookcase"), std::string::npos) << row;
   }
   const auto faces = scene.faces();
-  EXPECT_EQ(count, 2 * static_cast<std::size_t>(std::count_if(faces.begin(), faces.end(), [](const Face& f) { return f.object != none; })));
+  EXPECT_EQ(count,
+            2 * static_cast<std::size_t>(std::count_if(
+                    faces.begin(), faces.end(), [](const Face& f) { return f.object != none; })));
 }
 
 }  // namespace

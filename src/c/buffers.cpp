@@ -9,7 +9,8 @@ BufferLayout layout_of(const shadowcut_buffer_layout* layout) {
   if (!layout) return out;
   require_size(layout);
   out.doubles = flag(layout->doubles), out.indexed = flag(layout->indexed);
-  out.normals = flag(layout->normals), out.faces = flag(layout->faces), out.objects = flag(layout->objects);
+  out.normals = flag(layout->normals), out.faces = flag(layout->faces),
+  out.objects = flag(layout->objects);
   out.states = flag(layout->states), out.masks = flag(layout->masks);
   out.show = enum_of(layout->show, Show::shadowed);
   out.origin = Vec3(layout->origin);
@@ -63,7 +64,9 @@ Stream stream_of(const FragmentBuffers& b, std::int32_t which) {
 
 // What buffers look up of a scene for a fragment.
 void require_in(const Scene& scene, std::uint32_t face, std::uint32_t facet) {
-  if (face < scene.faces().size() && facet < scene.facets().size() && scene.facets()[facet].plane < scene.planes().size()) return;
+  if (face < scene.faces().size() && facet < scene.facets().size() &&
+      scene.facets()[facet].plane < scene.planes().size())
+    return;
   fail(SHADOWCUT_REFUSED, "a fragment is not of the scene as it stands");
 }
 
@@ -84,9 +87,12 @@ shadowcut_status shadowcut_buffer_layout_init(shadowcut_buffer_layout* layout) {
   out.hole_share = l.hole_share, out.joined_gap = l.joined_gap;
   return initialise(layout, out);
 }
-shadowcut_status shadowcut_buffers_info_init(shadowcut_buffers_info* info) { return initialise(info, shadowcut_buffers_info{}); }
+shadowcut_status shadowcut_buffers_info_init(shadowcut_buffers_info* info) {
+  return initialise(info, shadowcut_buffers_info{});
+}
 
-shadowcut_status shadowcut_buffers_create(uint32_t light, const shadowcut_buffer_layout* layout, shadowcut_buffers** buffers) {
+shadowcut_status shadowcut_buffers_create(uint32_t light, const shadowcut_buffer_layout* layout,
+                                          shadowcut_buffers** buffers) {
   return guarded([&] {
     require_pointers(buffers);
     *buffers = new shadowcut_buffers{FragmentBuffers(light, layout_of(layout))};
@@ -94,7 +100,8 @@ shadowcut_status shadowcut_buffers_create(uint32_t light, const shadowcut_buffer
 }
 void shadowcut_buffers_destroy(shadowcut_buffers* buffers) { delete buffers; }
 
-shadowcut_status shadowcut_buffers_update(shadowcut_buffers* buffers, const shadowcut_engine* engine) {
+shadowcut_status shadowcut_buffers_update(shadowcut_buffers* buffers,
+                                          const shadowcut_engine* engine) {
   return guarded([&] {
     FragmentBuffers& b = change(buffers);
     const Changes& changes = changes_of(engine);
@@ -103,18 +110,22 @@ shadowcut_status shadowcut_buffers_update(shadowcut_buffers* buffers, const shad
     b.update(engine->engine, changes);
   });
 }
-shadowcut_status shadowcut_buffers_fill(shadowcut_buffers* buffers, const shadowcut_scene* scene, const shadowcut_shadows* shadows) {
+shadowcut_status shadowcut_buffers_fill(shadowcut_buffers* buffers, const shadowcut_scene* scene,
+                                        const shadowcut_shadows* shadows) {
   return guarded([&] {
     FragmentBuffers& b = change(buffers);
     const Shadows& s = value_of(shadows);
-    if (s.areas.size() != value_of(scene).faces().size()) fail(SHADOWCUT_REFUSED, "the shadows are not of the scene as it stands");
+    if (s.areas.size() != value_of(scene).faces().size())
+      fail(SHADOWCUT_REFUSED, "the shadows are not of the scene as it stands");
     for (const Block& block : s.blocks) {
       for (const Fragment& f : block.fragments) require_in(*scene->scene, f.face, f.facet);
     }
     b.fill(*scene->scene, s);
   });
 }
-shadowcut_status shadowcut_buffers_fill_sets(shadowcut_buffers* buffers, const shadowcut_scene* scene, const shadowcut_light_sets* sets) {
+shadowcut_status shadowcut_buffers_fill_sets(shadowcut_buffers* buffers,
+                                             const shadowcut_scene* scene,
+                                             const shadowcut_light_sets* sets) {
   return guarded([&] {
     FragmentBuffers& b = change(buffers);
     const Scene& s = value_of(scene);
@@ -130,7 +141,8 @@ shadowcut_status shadowcut_buffers_set_origin(shadowcut_buffers* buffers, const 
   });
 }
 
-shadowcut_status shadowcut_buffers_get_info(const shadowcut_buffers* buffers, shadowcut_buffers_info* info) {
+shadowcut_status shadowcut_buffers_get_info(const shadowcut_buffers* buffers,
+                                            shadowcut_buffers_info* info) {
   return guarded([&] {
     require_size(info);
     const FragmentBuffers& b = value_of(buffers);
@@ -147,7 +159,8 @@ shadowcut_status shadowcut_buffers_get_info(const shadowcut_buffers* buffers, sh
              count_of(b.changed_indices().size())};
   });
 }
-shadowcut_status shadowcut_buffers_stream(const shadowcut_buffers* buffers, int32_t stream, const void** data, uint32_t* bytes_each) {
+shadowcut_status shadowcut_buffers_stream(const shadowcut_buffers* buffers, int32_t stream,
+                                          const void** data, uint32_t* bytes_each) {
   return guarded([&] {
     require_pointers(data);
     require_pointers(bytes_each);
@@ -155,11 +168,14 @@ shadowcut_status shadowcut_buffers_stream(const shadowcut_buffers* buffers, int3
     *data = found.data, *bytes_each = found.bytes_each;
   });
 }
-shadowcut_status shadowcut_buffers_changed_vertices(const shadowcut_buffers* buffers, uint32_t first, uint32_t count,
+shadowcut_status shadowcut_buffers_changed_vertices(const shadowcut_buffers* buffers,
+                                                    uint32_t first, uint32_t count,
                                                     shadowcut_range* ranges) {
-  return guarded([&] { copy_out(value_of(buffers).changed_vertices(), first, count, ranges, range_of); });
+  return guarded(
+      [&] { copy_out(value_of(buffers).changed_vertices(), first, count, ranges, range_of); });
 }
-shadowcut_status shadowcut_buffers_changed_indices(const shadowcut_buffers* buffers, uint32_t first, uint32_t count,
-                                                   shadowcut_range* ranges) {
-  return guarded([&] { copy_out(value_of(buffers).changed_indices(), first, count, ranges, range_of); });
+shadowcut_status shadowcut_buffers_changed_indices(const shadowcut_buffers* buffers, uint32_t first,
+                                                   uint32_t count, shadowcut_range* ranges) {
+  return guarded(
+      [&] { copy_out(value_of(buffers).changed_indices(), first, count, ranges, range_of); });
 }

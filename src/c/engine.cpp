@@ -15,14 +15,15 @@ bool is_whole(const shadowcut_engine& engine) {
   }
 }
 
-// Runs an update, unless a check throws. What was lent of the last one is gone before; the lights' handles are made room for before too, so
-// that an update that went well cannot fail afterwards.
+// Runs an update, unless a check throws. What was lent of the last one is gone before; the lights'
+// handles are made room for before too, so that an update that went well cannot fail afterwards.
 template <class Check, class Step>
 shadowcut_status advance(shadowcut_engine* engine, const Check& check, const Step& step) noexcept {
   return guarded([&] {
     require_pointers(engine);
     check();
-    if (engine->lights.size() < engine->scene->lights().size()) engine->lights.resize(engine->scene->lights().size());
+    if (engine->lights.size() < engine->scene->lights().size())
+      engine->lights.resize(engine->scene->lights().size());
     engine->changes = nullptr;
     for (shadowcut_shadows& light : engine->lights) light.shadows = nullptr;
     engine->progress = 0;
@@ -53,7 +54,8 @@ const LightChanges& light_changes(const shadowcut_engine* engine, std::uint32_t 
 
 const Engine& with_light(const shadowcut_engine* engine, std::uint32_t light) {
   const Engine& e = whole(engine).engine;
-  if (light >= engine->lights.size() || !engine->lights[light].shadows) fail(SHADOWCUT_NOT_FOUND, "there is no such light");
+  if (light >= engine->lights.size() || !engine->lights[light].shadows)
+    fail(SHADOWCUT_NOT_FOUND, "there is no such light");
   return e;
 }
 
@@ -63,12 +65,15 @@ shadowcut_fragment_id id_of(const FragmentId& id) { return {id.cell, id.piece, i
 
 const shadowcut_engine& whole(const shadowcut_engine* engine) {
   require_pointers(engine);
-  if (!is_whole(*engine)) fail(SHADOWCUT_MUST_COMPACT, "the engine ran out of memory during an update: it must be compacted");
+  if (!is_whole(*engine))
+    fail(SHADOWCUT_MUST_COMPACT,
+         "the engine ran out of memory during an update: it must be compacted");
   return *engine;
 }
 
 const Changes& changes_of(const shadowcut_engine* engine) {
-  if (!whole(engine).changes) fail(SHADOWCUT_NOT_FOUND, "there was no update yet, or the last one failed");
+  if (!whole(engine).changes)
+    fail(SHADOWCUT_NOT_FOUND, "there was no update yet, or the last one failed");
   return *engine->changes;
 }
 
@@ -77,7 +82,9 @@ const Changes& changes_of(const shadowcut_engine* engine) {
 using namespace shadowcut;
 using namespace shadowcut::c;
 
-shadowcut_status shadowcut_engine_create(const shadowcut_scene* scene, const shadowcut_options* options, shadowcut_engine** engine) {
+shadowcut_status shadowcut_engine_create(const shadowcut_scene* scene,
+                                         const shadowcut_options* options,
+                                         shadowcut_engine** engine) {
   return guarded([&] {
     require_pointers(scene, engine);
     require(scene->own != nullptr, "an engine cannot follow another engine's scene: copy it");
@@ -112,65 +119,82 @@ shadowcut_status shadowcut_engine_progress(const shadowcut_engine* engine, doubl
   });
 }
 
-shadowcut_status shadowcut_changes_init(shadowcut_changes* changes) { return initialise(changes, shadowcut_changes{}); }
-shadowcut_status shadowcut_light_changes_init(shadowcut_light_changes* changes) { return initialise(changes, shadowcut_light_changes{}); }
+shadowcut_status shadowcut_changes_init(shadowcut_changes* changes) {
+  return initialise(changes, shadowcut_changes{});
+}
+shadowcut_status shadowcut_light_changes_init(shadowcut_light_changes* changes) {
+  return initialise(changes, shadowcut_light_changes{});
+}
 
-shadowcut_status shadowcut_engine_changes(const shadowcut_engine* engine, shadowcut_changes* changes) {
+shadowcut_status shadowcut_engine_changes(const shadowcut_engine* engine,
+                                          shadowcut_changes* changes) {
   return guarded([&] {
     require_size(changes);
     const Changes& c = changes_of(engine);
-    *changes = {changes->size, count_of(c.lights.size()), c.update, c.applied, c.complete ? 1 : 0, c.ms};
+    *changes = {changes->size, count_of(c.lights.size()), c.update,
+                c.applied,     c.complete ? 1 : 0,        c.ms};
   });
 }
-shadowcut_status shadowcut_engine_light_changes(const shadowcut_engine* engine, uint32_t i, shadowcut_light_changes* changes) {
+shadowcut_status shadowcut_engine_light_changes(const shadowcut_engine* engine, uint32_t i,
+                                                shadowcut_light_changes* changes) {
   return guarded([&] {
     require_size(changes);
     const LightChanges& c = light_changes(engine, i);
-    *changes = {changes->size,           c.light, c.rebuilt ? 1 : 0, c.removed ? 1 : 0, count_of(c.gone.size()), count_of(c.added.size()),
+    *changes = {changes->size,           c.light,
+                c.rebuilt ? 1 : 0,       c.removed ? 1 : 0,
+                count_of(c.gone.size()), count_of(c.added.size()),
                 count_of(c.areas.size())};
   });
 }
-shadowcut_status shadowcut_engine_gone(const shadowcut_engine* engine, uint32_t i, uint32_t first, uint32_t count,
-                                       shadowcut_fragment_id* gone) {
-  return guarded([&] { copy_out(std::span(light_changes(engine, i).gone), first, count, gone, id_of); });
+shadowcut_status shadowcut_engine_gone(const shadowcut_engine* engine, uint32_t i, uint32_t first,
+                                       uint32_t count, shadowcut_fragment_id* gone) {
+  return guarded(
+      [&] { copy_out(std::span(light_changes(engine, i).gone), first, count, gone, id_of); });
 }
-shadowcut_status shadowcut_engine_added(const shadowcut_engine* engine, uint32_t i, uint32_t first, uint32_t count,
-                                        shadowcut_added* added) {
+shadowcut_status shadowcut_engine_added(const shadowcut_engine* engine, uint32_t i, uint32_t first,
+                                        uint32_t count, shadowcut_added* added) {
   return guarded([&] {
-    copy_out(std::span(light_changes(engine, i).added), first, count, added, [](const LightChanges::Added& a) {
-      return shadowcut_added{id_of(a.id), a.index};
-    });
+    copy_out(std::span(light_changes(engine, i).added), first, count, added,
+             [](const LightChanges::Added& a) {
+               return shadowcut_added{id_of(a.id), a.index};
+             });
   });
 }
-shadowcut_status shadowcut_engine_changed_areas(const shadowcut_engine* engine, uint32_t i, uint32_t first, uint32_t count,
+shadowcut_status shadowcut_engine_changed_areas(const shadowcut_engine* engine, uint32_t i,
+                                                uint32_t first, uint32_t count,
                                                 shadowcut_changed_area* areas) {
   return guarded([&] {
-    copy_out(std::span(light_changes(engine, i).areas), first, count, areas, [](const LightChanges::Area& a) {
-      return shadowcut_changed_area{a.face, area_of(a.area)};
-    });
+    copy_out(std::span(light_changes(engine, i).areas), first, count, areas,
+             [](const LightChanges::Area& a) {
+               return shadowcut_changed_area{a.face, area_of(a.area)};
+             });
   });
 }
 
-shadowcut_status shadowcut_engine_scene(const shadowcut_engine* engine, const shadowcut_scene** scene) {
+shadowcut_status shadowcut_engine_scene(const shadowcut_engine* engine,
+                                        const shadowcut_scene** scene) {
   return guarded([&] {
     require_pointers(scene);
     *scene = &whole(engine).view;
   });
 }
-shadowcut_status shadowcut_engine_light_count(const shadowcut_engine* engine, uint32_t* light_count) {
+shadowcut_status shadowcut_engine_light_count(const shadowcut_engine* engine,
+                                              uint32_t* light_count) {
   return guarded([&] {
     require_pointers(light_count);
     *light_count = count_of(whole(engine).engine.light_count());
   });
 }
-shadowcut_status shadowcut_engine_shadows(const shadowcut_engine* engine, uint32_t light, const shadowcut_shadows** shadows) {
+shadowcut_status shadowcut_engine_shadows(const shadowcut_engine* engine, uint32_t light,
+                                          const shadowcut_shadows** shadows) {
   return guarded([&] {
     require_pointers(shadows);
     with_light(engine, light);
     *shadows = &engine->lights[light];
   });
 }
-shadowcut_status shadowcut_engine_find(const shadowcut_engine* engine, uint32_t light, const shadowcut_fragment_id* id,
+shadowcut_status shadowcut_engine_find(const shadowcut_engine* engine, uint32_t light,
+                                       const shadowcut_fragment_id* id,
                                        shadowcut_fragment* fragment) {
   return guarded([&] {
     require_pointers(id);
@@ -180,7 +204,8 @@ shadowcut_status shadowcut_engine_find(const shadowcut_engine* engine, uint32_t 
     *fragment = fragment_of(*found);
   });
 }
-shadowcut_status shadowcut_engine_undecided(const shadowcut_engine* engine, uint32_t light, uint32_t face_count, double* areas) {
+shadowcut_status shadowcut_engine_undecided(const shadowcut_engine* engine, uint32_t light,
+                                            uint32_t face_count, double* areas) {
   return guarded([&] {
     const std::vector<double> all = with_light(engine, light).undecided(light);
     require(all.size() <= face_count, "there is not room for all faces");
@@ -190,17 +215,20 @@ shadowcut_status shadowcut_engine_undecided(const shadowcut_engine* engine, uint
 }
 shadowcut_status shadowcut_engine_validate(const shadowcut_engine* engine) {
   return guarded([&] {
-    if (std::string what = whole(engine).engine.validate(); !what.empty()) fail(SHADOWCUT_INTERNAL_ERROR, std::move(what));
+    if (std::string what = whole(engine).engine.validate(); !what.empty())
+      fail(SHADOWCUT_INTERNAL_ERROR, std::move(what));
   });
 }
 
-shadowcut_status shadowcut_engine_combined(const shadowcut_engine* engine, shadowcut_light_sets** sets) {
+shadowcut_status shadowcut_engine_combined(const shadowcut_engine* engine,
+                                           shadowcut_light_sets** sets) {
   return guarded([&] {
     require_pointers(sets);
     *sets = new shadowcut_light_sets{whole(engine).engine.combined()};
   });
 }
-shadowcut_status shadowcut_engine_combined_faces(const shadowcut_engine* engine, const uint32_t* faces, int32_t face_count,
+shadowcut_status shadowcut_engine_combined_faces(const shadowcut_engine* engine,
+                                                 const uint32_t* faces, int32_t face_count,
                                                  shadowcut_light_sets** sets) {
   return guarded([&] {
     require_pointers(sets);

@@ -39,7 +39,9 @@ struct shadowcut_engine {
     view.scene = &engine.scene();
   }
   static shadowcut::Options report_to(shadowcut_engine& engine, shadowcut::Options options) {
-    options.progress = [&engine](double share) { engine.progress.store(share, std::memory_order_relaxed); };
+    options.progress = [&engine](double share) {
+      engine.progress.store(share, std::memory_order_relaxed);
+    };
     return options;
   }
 
@@ -47,7 +49,8 @@ struct shadowcut_engine {
   std::atomic<double> progress{0};
   std::shared_ptr<const shadowcut::Scene> scene;
   shadowcut::Engine engine;
-  shadowcut_scene view;                         // of the engine's own scene, which stays where it is
+  // of the engine's own scene, which stays where it is
+  shadowcut_scene view;
   std::deque<shadowcut_shadows> lights;         // by index
   const shadowcut::Changes* changes = nullptr;  // of the last update; null: none, or it failed
 
@@ -93,7 +96,9 @@ shadowcut_status guarded(const Body& body) noexcept {
 template <class T>
 void require_size(const T* value) {
   require_pointers(value);
-  require(value->size == sizeof(T), "a struct is not as large as this version's: its *_init function was not called, or is another's");
+  require(value->size == sizeof(T),
+          "a struct is not as large as this version's: its *_init function was not called, or is "
+          "another's");
 }
 template <class T>
 shadowcut_status initialise(T* out, T value) noexcept {
@@ -125,13 +130,15 @@ std::span<const T> span_of(const T* data, std::int64_t count) {
 
 // A part of an array, to be copied out.
 template <class In, class Out>
-std::span<In> part_of(std::span<In> from, std::uint32_t first, std::uint32_t count, const Out* out) {
+std::span<In> part_of(std::span<In> from, std::uint32_t first, std::uint32_t count,
+                      const Out* out) {
   require(first <= from.size() && count <= from.size() - first, "a range is not all there");
   require(out != nullptr || count == 0, "a pointer is null");
   return from.subspan(first, count);
 }
 template <class In, class Out, class Convert>
-void copy_out(std::span<In> from, std::uint32_t first, std::uint32_t count, Out* out, const Convert& convert) {
+void copy_out(std::span<In> from, std::uint32_t first, std::uint32_t count, Out* out,
+              const Convert& convert) {
   for (const auto& value : part_of(from, first, count, out)) *out++ = convert(value);
 }
 

@@ -60,7 +60,8 @@ std::vector<Vec3> points_of(const Number* xyz, std::int32_t count) {
   std::vector<Vec3> points;
   points.reserve(numbers.size() / 3);
   for (std::size_t i = 0; i + 2 < numbers.size(); i += 3)
-    points.emplace_back(static_cast<double>(numbers[i]), static_cast<double>(numbers[i + 1]), static_cast<double>(numbers[i + 2]));
+    points.emplace_back(static_cast<double>(numbers[i]), static_cast<double>(numbers[i + 1]),
+                        static_cast<double>(numbers[i + 2]));
   return points;
 }
 
@@ -69,7 +70,8 @@ using Rows = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 Pose pose_of(const double* rows) {
   require_pointers(rows);
   const Eigen::Map<const Rows> m(rows);
-  if (m(3, 0) != 0 || m(3, 1) != 0 || m(3, 2) != 0 || m(3, 3) != 1) fail(SHADOWCUT_REFUSED, "the last row of a pose is not 0 0 0 1");
+  if (m(3, 0) != 0 || m(3, 1) != 0 || m(3, 2) != 0 || m(3, 3) != 1)
+    fail(SHADOWCUT_REFUSED, "the last row of a pose is not 0 0 0 1");
   Pose pose;
   pose.matrix() = m;
   return pose;
@@ -110,7 +112,8 @@ ObjectSettings settings_of(const shadowcut_object_settings* settings) {
   if (settings->name) out.name = settings->name;
   out.pose = pose_of(settings->pose);
   out.sides = enum_of(settings->sides, Sides::open);
-  out.casts = flag(settings->casts), out.receives = flag(settings->receives), out.moves = flag(settings->moves);
+  out.casts = flag(settings->casts), out.receives = flag(settings->receives),
+  out.moves = flag(settings->moves);
   return out;
 }
 
@@ -128,21 +131,26 @@ shadowcut_status shadowcut_mesh_create(shadowcut_mesh** mesh) {
 }
 void shadowcut_mesh_destroy(shadowcut_mesh* mesh) { delete mesh; }
 
-shadowcut_status shadowcut_mesh_set_vertices(shadowcut_mesh* mesh, const double* xyz, int32_t vertex_count) {
+shadowcut_status shadowcut_mesh_set_vertices(shadowcut_mesh* mesh, const double* xyz,
+                                             int32_t vertex_count) {
   return guarded([&] { change(mesh).vertices = points_of(xyz, vertex_count); });
 }
-shadowcut_status shadowcut_mesh_set_vertices_float(shadowcut_mesh* mesh, const float* xyz, int32_t vertex_count) {
+shadowcut_status shadowcut_mesh_set_vertices_float(shadowcut_mesh* mesh, const float* xyz,
+                                                   int32_t vertex_count) {
   return guarded([&] { change(mesh).vertices = points_of(xyz, vertex_count); });
 }
 
-shadowcut_status shadowcut_mesh_add_face(shadowcut_mesh* mesh, const uint32_t* corners, int32_t corner_count) {
+shadowcut_status shadowcut_mesh_add_face(shadowcut_mesh* mesh, const uint32_t* corners,
+                                         int32_t corner_count) {
   return changed(mesh, [&](Mesh& m) { m.add_face(span_of(corners, corner_count)); });
 }
-shadowcut_status shadowcut_mesh_add_hole(shadowcut_mesh* mesh, const uint32_t* corners, int32_t corner_count) {
+shadowcut_status shadowcut_mesh_add_hole(shadowcut_mesh* mesh, const uint32_t* corners,
+                                         int32_t corner_count) {
   return changed(mesh, [&](Mesh& m) { m.add_hole(span_of(corners, corner_count)); });
 }
 
-shadowcut_status shadowcut_mesh_add_faces(shadowcut_mesh* mesh, const uint32_t* corners, const int32_t* corner_counts, int32_t face_count) {
+shadowcut_status shadowcut_mesh_add_faces(shadowcut_mesh* mesh, const uint32_t* corners,
+                                          const int32_t* corner_counts, int32_t face_count) {
   return changed(mesh, [&](Mesh& m) {
     require(face_count >= 0, "a count is negative");
     std::int64_t all = std::int64_t{face_count} * 3;
@@ -162,7 +170,8 @@ shadowcut_status shadowcut_mesh_add_faces(shadowcut_mesh* mesh, const uint32_t* 
   });
 }
 
-shadowcut_status shadowcut_mesh_vertices(const shadowcut_mesh* mesh, const double** xyz, uint32_t* vertex_count) {
+shadowcut_status shadowcut_mesh_vertices(const shadowcut_mesh* mesh, const double** xyz,
+                                         uint32_t* vertex_count) {
   return guarded([&] {
     require_pointers(xyz, vertex_count);
     const Mesh& m = value_of(mesh);
@@ -176,18 +185,20 @@ shadowcut_status shadowcut_mesh_face_count(const shadowcut_mesh* mesh, uint32_t*
     *face_count = count_of(value_of(mesh).face_count());
   });
 }
-shadowcut_status shadowcut_mesh_loop_count(const shadowcut_mesh* mesh, uint32_t face, uint32_t* loop_count) {
+shadowcut_status shadowcut_mesh_loop_count(const shadowcut_mesh* mesh, uint32_t face,
+                                           uint32_t* loop_count) {
   return guarded([&] {
     require_pointers(loop_count);
     require(face < value_of(mesh).face_count(), "there is no such face");
     *loop_count = count_of(mesh->mesh.loop_count(face));
   });
 }
-shadowcut_status shadowcut_mesh_loop(const shadowcut_mesh* mesh, uint32_t face, uint32_t loop, const uint32_t** corners,
-                                     uint32_t* corner_count) {
+shadowcut_status shadowcut_mesh_loop(const shadowcut_mesh* mesh, uint32_t face, uint32_t loop,
+                                     const uint32_t** corners, uint32_t* corner_count) {
   return guarded([&] {
     require_pointers(corners, corner_count);
-    require(face < value_of(mesh).face_count() && loop < mesh->mesh.loop_count(face), "there is no such face or loop");
+    require(face < value_of(mesh).face_count() && loop < mesh->mesh.loop_count(face),
+            "there is no such face or loop");
     const std::span<const std::uint32_t> indices = mesh->mesh.loop(face, loop);
     *corner_count = count_of(indices.size());
     *corners = indices.data();
@@ -205,8 +216,12 @@ shadowcut_status shadowcut_light_init(shadowcut_light* light) {
   out.range = std::numeric_limits<double>::infinity();
   return initialise(light, out);
 }
-shadowcut_status shadowcut_object_init(shadowcut_object* object) { return initialise(object, shadowcut_object{}); }
-shadowcut_status shadowcut_scene_counts_init(shadowcut_scene_counts* counts) { return initialise(counts, shadowcut_scene_counts{}); }
+shadowcut_status shadowcut_object_init(shadowcut_object* object) {
+  return initialise(object, shadowcut_object{});
+}
+shadowcut_status shadowcut_scene_counts_init(shadowcut_scene_counts* counts) {
+  return initialise(counts, shadowcut_scene_counts{});
+}
 
 shadowcut_status shadowcut_scene_create(shadowcut_scene** scene) {
   return guarded([&] {
@@ -228,51 +243,65 @@ void shadowcut_scene_destroy(shadowcut_scene* scene) {
   if (scene && scene->own) delete scene;  // an engine's goes with it
 }
 
-shadowcut_status shadowcut_scene_set_tolerances(shadowcut_scene* scene, double flatness, double coplanarity) {
+shadowcut_status shadowcut_scene_set_tolerances(shadowcut_scene* scene, double flatness,
+                                                double coplanarity) {
   return guarded([&] {
     Scene& s = change(scene);
-    const auto usable = [](double tolerance) { return tolerance >= 0 && tolerance < std::numeric_limits<double>::infinity(); };
-    if (!usable(flatness) || !usable(coplanarity)) fail(SHADOWCUT_REFUSED, "a tolerance must be finite and not negative");
+    const auto usable = [](double tolerance) {
+      return tolerance >= 0 && tolerance < std::numeric_limits<double>::infinity();
+    };
+    if (!usable(flatness) || !usable(coplanarity))
+      fail(SHADOWCUT_REFUSED, "a tolerance must be finite and not negative");
     s.flatness_tolerance = flatness, s.coplanarity_tolerance = coplanarity;
   });
 }
-shadowcut_status shadowcut_scene_tolerances(const shadowcut_scene* scene, double* flatness, double* coplanarity) {
+shadowcut_status shadowcut_scene_tolerances(const shadowcut_scene* scene, double* flatness,
+                                            double* coplanarity) {
   return guarded([&] {
     require_pointers(flatness, coplanarity);
-    *flatness = value_of(scene).flatness_tolerance, *coplanarity = scene->scene->coplanarity_tolerance;
+    *flatness = value_of(scene).flatness_tolerance,
+    *coplanarity = scene->scene->coplanarity_tolerance;
   });
 }
 
-shadowcut_status shadowcut_scene_add_object(shadowcut_scene* scene, const shadowcut_mesh* mesh, const shadowcut_object_settings* settings,
+shadowcut_status shadowcut_scene_add_object(shadowcut_scene* scene, const shadowcut_mesh* mesh,
+                                            const shadowcut_object_settings* settings,
                                             shadowcut_object_id* id) {
   return guarded([&] {
     require_pointers(id);
     copy_id(change(scene).add(value_of(mesh), settings_of(settings)), id);
   });
 }
-shadowcut_status shadowcut_scene_remove_object(shadowcut_scene* scene, const shadowcut_object_id* id) {
+shadowcut_status shadowcut_scene_remove_object(shadowcut_scene* scene,
+                                               const shadowcut_object_id* id) {
   return guarded([&] { expect(change(scene).remove(id_of(id))); });
 }
-shadowcut_status shadowcut_scene_set_pose(shadowcut_scene* scene, const shadowcut_object_id* id, const double* pose) {
+shadowcut_status shadowcut_scene_set_pose(shadowcut_scene* scene, const shadowcut_object_id* id,
+                                          const double* pose) {
   return guarded([&] { expect(change(scene).set_pose(id_of(id), pose_of(pose))); });
 }
-shadowcut_status shadowcut_scene_set_vertices(shadowcut_scene* scene, const shadowcut_object_id* id, const double* xyz,
-                                              int32_t vertex_count) {
-  return guarded([&] { expect(change(scene).set_vertices(id_of(id), points_of(xyz, vertex_count))); });
+shadowcut_status shadowcut_scene_set_vertices(shadowcut_scene* scene, const shadowcut_object_id* id,
+                                              const double* xyz, int32_t vertex_count) {
+  return guarded(
+      [&] { expect(change(scene).set_vertices(id_of(id), points_of(xyz, vertex_count))); });
 }
-shadowcut_status shadowcut_scene_set_vertices_float(shadowcut_scene* scene, const shadowcut_object_id* id, const float* xyz,
+shadowcut_status shadowcut_scene_set_vertices_float(shadowcut_scene* scene,
+                                                    const shadowcut_object_id* id, const float* xyz,
                                                     int32_t vertex_count) {
-  return guarded([&] { expect(change(scene).set_vertices(id_of(id), points_of(xyz, vertex_count))); });
+  return guarded(
+      [&] { expect(change(scene).set_vertices(id_of(id), points_of(xyz, vertex_count))); });
 }
-shadowcut_status shadowcut_scene_set_casts(shadowcut_scene* scene, const shadowcut_object_id* id, int32_t casts) {
+shadowcut_status shadowcut_scene_set_casts(shadowcut_scene* scene, const shadowcut_object_id* id,
+                                           int32_t casts) {
   return guarded([&] { expect(change(scene).set_casts(id_of(id), flag(casts))); });
 }
-shadowcut_status shadowcut_scene_set_receives(shadowcut_scene* scene, const shadowcut_object_id* id, int32_t receives) {
+shadowcut_status shadowcut_scene_set_receives(shadowcut_scene* scene, const shadowcut_object_id* id,
+                                              int32_t receives) {
   return guarded([&] { expect(change(scene).set_receives(id_of(id), flag(receives))); });
 }
 
-shadowcut_status shadowcut_scene_given(const shadowcut_scene* scene, const shadowcut_object_id* id, shadowcut_mesh** mesh,
-                                       shadowcut_object_settings* settings) {
+shadowcut_status shadowcut_scene_given(const shadowcut_scene* scene, const shadowcut_object_id* id,
+                                       shadowcut_mesh** mesh, shadowcut_object_settings* settings) {
   return guarded([&] {
     require_pointers(mesh);
     if (settings) require_size(settings);
@@ -289,40 +318,49 @@ shadowcut_status shadowcut_scene_given(const shadowcut_scene* scene, const shado
   });
 }
 
-shadowcut_status shadowcut_scene_add_light(shadowcut_scene* scene, const shadowcut_light* light, shadowcut_light_id* id) {
+shadowcut_status shadowcut_scene_add_light(shadowcut_scene* scene, const shadowcut_light* light,
+                                           shadowcut_light_id* id) {
   return guarded([&] {
     require_pointers(id);
     copy_id(change(scene).add(light_of(light)), id);
   });
 }
-shadowcut_status shadowcut_scene_remove_light(shadowcut_scene* scene, const shadowcut_light_id* id) {
+shadowcut_status shadowcut_scene_remove_light(shadowcut_scene* scene,
+                                              const shadowcut_light_id* id) {
   return guarded([&] { expect(change(scene).remove(id_of(id))); });
 }
-shadowcut_status shadowcut_scene_set_light(shadowcut_scene* scene, const shadowcut_light_id* id, const shadowcut_light* light) {
+shadowcut_status shadowcut_scene_set_light(shadowcut_scene* scene, const shadowcut_light_id* id,
+                                           const shadowcut_light* light) {
   return guarded([&] { expect(change(scene).set_light(id_of(id), light_of(light))); });
 }
-shadowcut_status shadowcut_scene_replace_lights(shadowcut_scene* scene, const shadowcut_light* const* lights, int32_t light_count) {
+shadowcut_status shadowcut_scene_replace_lights(shadowcut_scene* scene,
+                                                const shadowcut_light* const* lights,
+                                                int32_t light_count) {
   return guarded([&] {
     Scene& s = change(scene);
     std::vector<Light> all;
-    for (const shadowcut_light* light : span_of(lights, light_count)) all.push_back(light_of(light));
+    for (const shadowcut_light* light : span_of(lights, light_count))
+      all.push_back(light_of(light));
     s.replace_lights(all);
   });
 }
 
-shadowcut_status shadowcut_scene_object_id(const shadowcut_scene* scene, uint32_t index, shadowcut_object_id* id) {
+shadowcut_status shadowcut_scene_object_id(const shadowcut_scene* scene, uint32_t index,
+                                           shadowcut_object_id* id) {
   return guarded([&] {
     require_pointers(id);
     copy_found(value_of(scene).object_id(index), "there is no object at this index", id);
   });
 }
-shadowcut_status shadowcut_scene_light_id(const shadowcut_scene* scene, uint32_t index, shadowcut_light_id* id) {
+shadowcut_status shadowcut_scene_light_id(const shadowcut_scene* scene, uint32_t index,
+                                          shadowcut_light_id* id) {
   return guarded([&] {
     require_pointers(id);
     copy_found(value_of(scene).light_id(index), "there is no light at this index", id);
   });
 }
-shadowcut_status shadowcut_scene_light(const shadowcut_scene* scene, const shadowcut_light_id* id, shadowcut_light* light) {
+shadowcut_status shadowcut_scene_light(const shadowcut_scene* scene, const shadowcut_light_id* id,
+                                       shadowcut_light* light) {
   return guarded([&] {
     require_size(light);
     expect(value_of(scene).locate(id_of(id)));
@@ -331,12 +369,14 @@ shadowcut_status shadowcut_scene_light(const shadowcut_scene* scene, const shado
     copy(found->at, light->at);
     light->range = found->range;
     light->has_spot = found->spot.has_value();
-    if (found->spot) copy(found->spot->axis, light->spot_axis), light->spot_half_angle = found->spot->half_angle;
+    if (found->spot)
+      copy(found->spot->axis, light->spot_axis), light->spot_half_angle = found->spot->half_angle;
     light->name = found->name.c_str();
   });
 }
 
-shadowcut_status shadowcut_scene_object(const shadowcut_scene* scene, const shadowcut_object_id* id, shadowcut_object* object) {
+shadowcut_status shadowcut_scene_object(const shadowcut_scene* scene, const shadowcut_object_id* id,
+                                        shadowcut_object* object) {
   return guarded([&] {
     require_size(object);
     expect(value_of(scene).locate(id_of(id)));
@@ -354,7 +394,8 @@ shadowcut_status shadowcut_scene_object(const shadowcut_scene* scene, const shad
   });
 }
 
-shadowcut_status shadowcut_scene_count(const shadowcut_scene* scene, shadowcut_scene_counts* counts) {
+shadowcut_status shadowcut_scene_count(const shadowcut_scene* scene,
+                                       shadowcut_scene_counts* counts) {
   return guarded([&] {
     require_size(counts);
     const Scene& s = value_of(scene);
@@ -372,8 +413,9 @@ shadowcut_status shadowcut_scene_count(const shadowcut_scene* scene, shadowcut_s
   });
 }
 
-shadowcut_status shadowcut_scene_changed_since(const shadowcut_scene* scene, const uint64_t* revision, uint32_t room, uint32_t* indices,
-                                               uint32_t* count) {
+shadowcut_status shadowcut_scene_changed_since(const shadowcut_scene* scene,
+                                               const uint64_t* revision, uint32_t room,
+                                               uint32_t* indices, uint32_t* count) {
   return guarded([&] {
     require_pointers(revision);
     require_pointers(count);
@@ -384,34 +426,47 @@ shadowcut_status shadowcut_scene_changed_since(const shadowcut_scene* scene, con
   });
 }
 
-shadowcut_status shadowcut_scene_faces(const shadowcut_scene* scene, uint32_t first, uint32_t count, shadowcut_face* faces) {
+shadowcut_status shadowcut_scene_faces(const shadowcut_scene* scene, uint32_t first, uint32_t count,
+                                       shadowcut_face* faces) {
   return guarded([&] {
     copy_out(value_of(scene).faces(), first, count, faces, [](const Face& f) {
       return shadowcut_face{f.object, f.number, f.first_facet, f.facet_count, f.area};
     });
   });
 }
-shadowcut_status shadowcut_scene_facets(const shadowcut_scene* scene, uint32_t first, uint32_t count, shadowcut_facet* facets) {
+shadowcut_status shadowcut_scene_facets(const shadowcut_scene* scene, uint32_t first,
+                                        uint32_t count, shadowcut_facet* facets) {
   return guarded([&] {
     copy_out(value_of(scene).facets(), first, count, facets, [](const Facet& f) {
       return shadowcut_facet{f.face, f.plane, f.first_corner, f.corner_count};
     });
   });
 }
-shadowcut_status shadowcut_scene_corners(const shadowcut_scene* scene, uint32_t first, uint32_t count, shadowcut_corner* corners) {
+shadowcut_status shadowcut_scene_corners(const shadowcut_scene* scene, uint32_t first,
+                                         uint32_t count, shadowcut_corner* corners) {
   return guarded([&] {
-    copy_out(value_of(scene).corners(), first, count, corners, [](const Corner& x) { return shadowcut_corner{x.vertex, x.edge}; });
+    copy_out(value_of(scene).corners(), first, count, corners, [](const Corner& x) {
+      return shadowcut_corner{x.vertex, x.edge};
+    });
   });
 }
-shadowcut_status shadowcut_scene_vertices(const shadowcut_scene* scene, uint32_t first, uint32_t count, double* xyz) {
+shadowcut_status shadowcut_scene_vertices(const shadowcut_scene* scene, uint32_t first,
+                                          uint32_t count, double* xyz) {
   return guarded([&] {
-    for (const Vec3& x : part_of(value_of(scene).vertices(), first, count, xyz)) xyz = std::copy_n(x.data(), 3, xyz);
+    for (const Vec3& x : part_of(value_of(scene).vertices(), first, count, xyz))
+      xyz = std::copy_n(x.data(), 3, xyz);
   });
 }
-shadowcut_status shadowcut_scene_edges(const shadowcut_scene* scene, uint32_t first, uint32_t count, shadowcut_edge* edges) {
-  return guarded([&] { copy_out(value_of(scene).edges(), first, count, edges, [](const Edge& e) { return shadowcut_edge{e.a, e.b}; }); });
+shadowcut_status shadowcut_scene_edges(const shadowcut_scene* scene, uint32_t first, uint32_t count,
+                                       shadowcut_edge* edges) {
+  return guarded([&] {
+    copy_out(value_of(scene).edges(), first, count, edges, [](const Edge& e) {
+      return shadowcut_edge{e.a, e.b};
+    });
+  });
 }
-shadowcut_status shadowcut_scene_planes(const shadowcut_scene* scene, uint32_t first, uint32_t count, shadowcut_plane* planes) {
+shadowcut_status shadowcut_scene_planes(const shadowcut_scene* scene, uint32_t first,
+                                        uint32_t count, shadowcut_plane* planes) {
   return guarded([&] {
     copy_out(value_of(scene).planes(), first, count, planes, [](const Plane& p) {
       shadowcut_plane out{};
@@ -422,10 +477,12 @@ shadowcut_status shadowcut_scene_planes(const shadowcut_scene* scene, uint32_t f
   });
 }
 
-shadowcut_status shadowcut_scene_issues(const shadowcut_scene* scene, uint32_t first, uint32_t count, shadowcut_issue* issues) {
+shadowcut_status shadowcut_scene_issues(const shadowcut_scene* scene, uint32_t first,
+                                        uint32_t count, shadowcut_issue* issues) {
   return guarded([&] {
     copy_out(value_of(scene).issues(), first, count, issues, [](const Issue& i) {
-      return shadowcut_issue{i.object, i.face, static_cast<std::int32_t>(i.reason), i.detail.c_str()};
+      return shadowcut_issue{i.object, i.face, static_cast<std::int32_t>(i.reason),
+                             i.detail.c_str()};
     });
   });
 }
@@ -434,5 +491,6 @@ const char* shadowcut_describe(int32_t reason) {
   return reason >= 0 && reason <= SHADOWCUT_NOT_FLAT ? describe(static_cast<Reason>(reason)) : "";
 }
 int32_t shadowcut_refuses(int32_t reason) {
-  return reason >= 0 && reason <= SHADOWCUT_NOT_FLAT && refuses(static_cast<Reason>(reason)) ? 1 : 0;
+  return reason >= 0 && reason <= SHADOWCUT_NOT_FLAT && refuses(static_cast<Reason>(reason)) ? 1
+                                                                                             : 0;
 }

@@ -5,14 +5,24 @@ namespace shadowcut::c {
 
 const Shadows& value_of(const shadowcut_shadows* shadows) {
   require_pointers(shadows);
-  if (!shadows->shadows) fail(SHADOWCUT_NOT_FOUND, "there is no such light, or the engine must be compacted");
+  if (!shadows->shadows)
+    fail(SHADOWCUT_NOT_FOUND, "there is no such light, or the engine must be compacted");
   return *shadows->shadows;
 }
 
 shadowcut_fragment fragment_of(const Fragment& f) {
-  return {{f.id.cell, f.id.piece, f.id.place}, f.face, f.facet, f.caster, f.first_corner, f.corner_count, f.lit ? 1 : 0, f.area};
+  return {{f.id.cell, f.id.piece, f.id.place},
+          f.face,
+          f.facet,
+          f.caster,
+          f.first_corner,
+          f.corner_count,
+          f.lit ? 1 : 0,
+          f.area};
 }
-shadowcut_face_area area_of(const FaceArea& a) { return {static_cast<std::int32_t>(a.facing), a.area, a.lit, a.shadowed, a.dropped}; }
+shadowcut_face_area area_of(const FaceArea& a) {
+  return {static_cast<std::int32_t>(a.facing), a.area, a.lit, a.shadowed, a.dropped};
+}
 
 Options options_of(const shadowcut_options* options) {
   Options out;
@@ -60,12 +70,17 @@ using namespace shadowcut::c;
 shadowcut_status shadowcut_options_init(shadowcut_options* options) {
   const Options o;
   return initialise(
-      options, {0, static_cast<std::int32_t>(o.kernel), static_cast<std::int32_t>(o.form), static_cast<std::int32_t>(o.order), o.seed,
-                o.threads, o.facets_per_cell, o.min_feature.area, o.min_feature.solid_angle, o.edits, o.join_threshold, o.constructions});
+      options,
+      {0, static_cast<std::int32_t>(o.kernel), static_cast<std::int32_t>(o.form),
+       static_cast<std::int32_t>(o.order), o.seed, o.threads, o.facets_per_cell, o.min_feature.area,
+       o.min_feature.solid_angle, o.edits, o.join_threshold, o.constructions});
 }
-shadowcut_status shadowcut_stats_init(shadowcut_stats* stats) { return initialise(stats, shadowcut_stats{}); }
+shadowcut_status shadowcut_stats_init(shadowcut_stats* stats) {
+  return initialise(stats, shadowcut_stats{});
+}
 
-shadowcut_status shadowcut_cast_shadows(const shadowcut_scene* scene, const shadowcut_light* light, const shadowcut_options* options,
+shadowcut_status shadowcut_cast_shadows(const shadowcut_scene* scene, const shadowcut_light* light,
+                                        const shadowcut_options* options,
                                         shadowcut_shadows** shadows) {
   return guarded([&] {
     require_pointers(shadows);
@@ -79,23 +94,29 @@ void shadowcut_shadows_destroy(shadowcut_shadows* shadows) {
   if (shadows && shadows->shadows == &shadows->own) delete shadows;  // an engine's go with it
 }
 
-shadowcut_status shadowcut_shadows_block_count(const shadowcut_shadows* shadows, uint32_t* block_count) {
+shadowcut_status shadowcut_shadows_block_count(const shadowcut_shadows* shadows,
+                                               uint32_t* block_count) {
   return guarded([&] {
     require_pointers(block_count);
     *block_count = count_of(value_of(shadows).blocks.size());
   });
 }
-shadowcut_status shadowcut_shadows_fragment_count(const shadowcut_shadows* shadows, uint32_t block, uint32_t* fragment_count) {
+shadowcut_status shadowcut_shadows_fragment_count(const shadowcut_shadows* shadows, uint32_t block,
+                                                  uint32_t* fragment_count) {
   return guarded([&] {
     require_pointers(fragment_count);
     *fragment_count = count_of(block_of(shadows, block).fragments.size());
   });
 }
-shadowcut_status shadowcut_shadows_fragments(const shadowcut_shadows* shadows, uint32_t block, uint32_t first, uint32_t count,
+shadowcut_status shadowcut_shadows_fragments(const shadowcut_shadows* shadows, uint32_t block,
+                                             uint32_t first, uint32_t count,
                                              shadowcut_fragment* fragments) {
-  return guarded([&] { copy_out(std::span(block_of(shadows, block).fragments), first, count, fragments, fragment_of); });
+  return guarded([&] {
+    copy_out(std::span(block_of(shadows, block).fragments), first, count, fragments, fragment_of);
+  });
 }
-shadowcut_status shadowcut_shadows_corners(const shadowcut_shadows* shadows, uint32_t block, const double** xyz, uint32_t* corner_count) {
+shadowcut_status shadowcut_shadows_corners(const shadowcut_shadows* shadows, uint32_t block,
+                                           const double** xyz, uint32_t* corner_count) {
   return guarded([&] {
     require_pointers(xyz, corner_count);
     const std::vector<Vec3>& corners = block_of(shadows, block).corners;
@@ -104,29 +125,35 @@ shadowcut_status shadowcut_shadows_corners(const shadowcut_shadows* shadows, uin
   });
 }
 
-shadowcut_status shadowcut_shadows_construction_count(const shadowcut_shadows* shadows, uint32_t block, uint32_t* count) {
+shadowcut_status shadowcut_shadows_construction_count(const shadowcut_shadows* shadows,
+                                                      uint32_t block, uint32_t* count) {
   return guarded([&] {
     require_pointers(count);
     *count = count_of(block_of(shadows, block).constructions.size());
   });
 }
-shadowcut_status shadowcut_shadows_constructions(const shadowcut_shadows* shadows, uint32_t block, uint32_t first, uint32_t count,
+shadowcut_status shadowcut_shadows_constructions(const shadowcut_shadows* shadows, uint32_t block,
+                                                 uint32_t first, uint32_t count,
                                                  shadowcut_construction* constructions) {
   return guarded([&] {
-    copy_out(std::span(block_of(shadows, block).constructions), first, count, constructions, [](const Construction& x) {
-      return shadowcut_construction{line_of(x.in), line_of(x.out), x.vertex};
-    });
+    copy_out(std::span(block_of(shadows, block).constructions), first, count, constructions,
+             [](const Construction& x) {
+               return shadowcut_construction{line_of(x.in), line_of(x.out), x.vertex};
+             });
   });
 }
 
-shadowcut_status shadowcut_shadows_area_count(const shadowcut_shadows* shadows, uint32_t* face_count) {
+shadowcut_status shadowcut_shadows_area_count(const shadowcut_shadows* shadows,
+                                              uint32_t* face_count) {
   return guarded([&] {
     require_pointers(face_count);
     *face_count = count_of(value_of(shadows).areas.size());
   });
 }
-shadowcut_status shadowcut_shadows_areas(const shadowcut_shadows* shadows, uint32_t first, uint32_t count, shadowcut_face_area* areas) {
-  return guarded([&] { copy_out(std::span(value_of(shadows).areas), first, count, areas, area_of); });
+shadowcut_status shadowcut_shadows_areas(const shadowcut_shadows* shadows, uint32_t first,
+                                         uint32_t count, shadowcut_face_area* areas) {
+  return guarded(
+      [&] { copy_out(std::span(value_of(shadows).areas), first, count, areas, area_of); });
 }
 
 shadowcut_status shadowcut_shadows_stats(const shadowcut_shadows* shadows, shadowcut_stats* stats) {
@@ -168,28 +195,32 @@ shadowcut_status shadowcut_shadows_stats(const shadowcut_shadows* shadows, shado
 
 void shadowcut_light_sets_destroy(shadowcut_light_sets* sets) { delete sets; }
 
-shadowcut_status shadowcut_light_sets_count(const shadowcut_light_sets* sets, uint32_t* fragment_count, uint32_t* mask_words) {
+shadowcut_status shadowcut_light_sets_count(const shadowcut_light_sets* sets,
+                                            uint32_t* fragment_count, uint32_t* mask_words) {
   return guarded([&] {
     require_pointers(fragment_count, mask_words);
     const LightSets& s = value_of(sets);
     *fragment_count = count_of(s.fragments.size()), *mask_words = count_of(s.words);
   });
 }
-shadowcut_status shadowcut_light_sets_fragments(const shadowcut_light_sets* sets, uint32_t first, uint32_t count,
-                                                shadowcut_set_fragment* fragments) {
+shadowcut_status shadowcut_light_sets_fragments(const shadowcut_light_sets* sets, uint32_t first,
+                                                uint32_t count, shadowcut_set_fragment* fragments) {
   return guarded([&] {
-    copy_out(std::span(value_of(sets).fragments), first, count, fragments, [](const LightSets::Fragment& f) {
-      return shadowcut_set_fragment{f.face, f.facet, f.first_corner, f.corner_count};
-    });
+    copy_out(std::span(value_of(sets).fragments), first, count, fragments,
+             [](const LightSets::Fragment& f) {
+               return shadowcut_set_fragment{f.face, f.facet, f.first_corner, f.corner_count};
+             });
   });
 }
-shadowcut_status shadowcut_light_sets_masks(const shadowcut_light_sets* sets, const uint64_t** masks) {
+shadowcut_status shadowcut_light_sets_masks(const shadowcut_light_sets* sets,
+                                            const uint64_t** masks) {
   return guarded([&] {
     require_pointers(masks);
     *masks = value_of(sets).lights.data();
   });
 }
-shadowcut_status shadowcut_light_sets_corners(const shadowcut_light_sets* sets, const double** xyz, uint32_t* corner_count) {
+shadowcut_status shadowcut_light_sets_corners(const shadowcut_light_sets* sets, const double** xyz,
+                                              uint32_t* corner_count) {
   return guarded([&] {
     require_pointers(xyz, corner_count);
     *corner_count = count_of(value_of(sets).corners.size());

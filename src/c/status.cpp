@@ -1,4 +1,5 @@
-// How functions of c.h fail: a status, and a message kept by thread in room of a fixed size, so that keeping it cannot fail in turn.
+// How functions of c.h fail: a status, and a message kept by thread in room of a fixed size, so
+// that keeping it cannot fail in turn.
 #include <array>
 #include <cstdio>
 #include <limits>
@@ -17,7 +18,9 @@ shadowcut_status failed(shadowcut_status status, const char* message) noexcept {
 
 }  // namespace
 
-void fail(shadowcut_status status, std::string message) { throw Failure{status, std::move(message)}; }
+void fail(shadowcut_status status, std::string message) {
+  throw Failure{status, std::move(message)};
+}
 
 shadowcut_status status_of_exception() noexcept {
   try {
@@ -38,7 +41,8 @@ shadowcut_status status_of_exception() noexcept {
 }
 
 std::uint32_t count_of(std::size_t size) {
-  if (size > std::numeric_limits<std::uint32_t>::max()) fail(SHADOWCUT_REFUSED, "a count does not fit into 32 bits");
+  if (size > std::numeric_limits<std::uint32_t>::max())
+    fail(SHADOWCUT_REFUSED, "a count does not fit into 32 bits");
   return static_cast<std::uint32_t>(size);
 }
 
@@ -47,9 +51,12 @@ std::uint32_t count_of(std::size_t size) {
 const char* shadowcut_message(void) { return shadowcut::c::last_message.data(); }
 
 const char* shadowcut_status_name(shadowcut_status status) {
-  constexpr std::array names{"OK",        "INVALID_ARGUMENT", "REFUSED",      "STALE",         "FOREIGN",
-                             "NOT_FOUND", "OUT_OF_MEMORY",    "MUST_COMPACT", "INTERNAL_ERROR"};
-  return status >= 0 && static_cast<std::size_t>(status) < names.size() ? names[static_cast<std::size_t>(status)] : "";
+  constexpr std::array names{
+      "OK",        "INVALID_ARGUMENT", "REFUSED",      "STALE",         "FOREIGN",
+      "NOT_FOUND", "OUT_OF_MEMORY",    "MUST_COMPACT", "INTERNAL_ERROR"};
+  return status >= 0 && static_cast<std::size_t>(status) < names.size()
+             ? names[static_cast<std::size_t>(status)]
+             : "";
 }
 
 const char* shadowcut_version(void) { return SHADOWCUT_VERSION; }

@@ -20,14 +20,16 @@ void check_outputs(const CastArguments& a) {
   for (const std::string& path : a.outputs) {
     const std::string extension = io::extension_of(path);
     if (extension == ".svg") ++drawings;
-    else if (extension != ".obj" && extension != ".ply" && extension != ".gltf" && extension != ".glb")
+    else if (extension != ".obj" && extension != ".ply" && extension != ".gltf" &&
+             extension != ".glb")
       throw Error("-o: '" + path + "' ends in none of .obj .ply .gltf .glb .svg");
     check_folder(path);
   }
   if (!a.areas.empty()) check_folder(a.areas);
   if (!a.json.empty() && a.json != "-") check_folder(a.json);
   if (!a.drawings.empty() && drawings == 0) throw Error("--svg: no output ends in .svg");
-  if (a.drawings.size() > 1 && a.drawings.size() != drawings) throw Error("--svg: give one for all drawings, or one for each");
+  if (a.drawings.size() > 1 && a.drawings.size() != drawings)
+    throw Error("--svg: give one for all drawings, or one for each");
 }
 
 Engine build(const Scene& scene, const CastArguments& a, ProgressBar& bar) {
@@ -61,34 +63,47 @@ ordered_json summary_of(const Engine& engine, std::size_t k, const NamedLight& l
                      {"by_filter", s.by_filter},
                      {"by_exact", s.by_exact}};
   if (!light.light.name.empty()) entry["name"] = light.light.name;
-  entry["stats"] = {{"facets", s.facets},         {"cells", s.cells},   {"sp_nodes", s.sp_nodes},
-                    {"pp_nodes", s.pp_nodes},     {"pieces", s.pieces}, {"crossing_lines", s.crossing_lines},
-                    {"predicates", s.predicates}, {"on", s.on},         {"bytes", s.bytes}};
+  entry["stats"] = {
+      {"facets", s.facets},         {"cells", s.cells},   {"sp_nodes", s.sp_nodes},
+      {"pp_nodes", s.pp_nodes},     {"pieces", s.pieces}, {"crossing_lines", s.crossing_lines},
+      {"predicates", s.predicates}, {"on", s.on},         {"bytes", s.bytes}};
   return entry;
 }
 
-std::string summary(const Engine& engine, const std::vector<NamedLight>& lights, const CastArguments& a, double load_ms) {
-  ordered_json document{{"scene", a.scene},   {"kernel", kernel_name(a.options.kernel)},        {"threads", a.options.threads},
-                        {"load_ms", load_ms}, {"aligned", alignment_of(engine.scene()).facets}, {"lights", ordered_json::array()}};
-  for (std::size_t k = 0; k < lights.size(); ++k) document["lights"].push_back(summary_of(engine, k, lights[k]));
+std::string summary(const Engine& engine, const std::vector<NamedLight>& lights,
+                    const CastArguments& a, double load_ms) {
+  ordered_json document{{"scene", a.scene},
+                        {"kernel", kernel_name(a.options.kernel)},
+                        {"threads", a.options.threads},
+                        {"load_ms", load_ms},
+                        {"aligned", alignment_of(engine.scene()).facets},
+                        {"lights", ordered_json::array()}};
+  for (std::size_t k = 0; k < lights.size(); ++k)
+    document["lights"].push_back(summary_of(engine, k, lights[k]));
   return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
-std::string table(const Scene& scene, const Engine& engine, const std::vector<NamedLight>& lights, const CastArguments& a, double load_ms) {
-  Table table({"light", "facing area", "lit area", "shadowed area", "lit", "shadowed", "nodes", "depth", "build ms", "emit ms"});
+std::string table(const Scene& scene, const Engine& engine, const std::vector<NamedLight>& lights,
+                  const CastArguments& a, double load_ms) {
+  Table table({"light", "facing area", "lit area", "shadowed area", "lit", "shadowed", "nodes",
+               "depth", "build ms", "emit ms"});
   for (std::size_t k = 0; k < lights.size(); ++k) {
     const Stats& s = engine.shadows(k).stats;
-    table.add({lights[k].spec, significant(s.facing_area), significant(s.lit_area), significant(s.shadowed_area),
-               std::to_string(s.lit_fragments), std::to_string(s.shadowed_fragments), std::to_string(s.nodes), std::to_string(s.depth),
-               tenths(s.build_ms), tenths(s.emit_ms)});
+    table.add({lights[k].spec, significant(s.facing_area), significant(s.lit_area),
+               significant(s.shadowed_area), std::to_string(s.lit_fragments),
+               std::to_string(s.shadowed_fragments), std::to_string(s.nodes),
+               std::to_string(s.depth), tenths(s.build_ms), tenths(s.emit_ms)});
   }
-  return a.scene + ": " + std::to_string(scene.objects().size()) + " objects, " + std::to_string(scene.faces().size()) + " faces, " +
-         std::to_string(scene.facets().size()) + " facets, read in " + tenths(load_ms) + " ms; " + std::to_string(a.options.threads) +
-         (a.options.threads == 1 ? " thread\n" : " threads\n") + sentence(alignment_of(scene)) + table.text();
+  return a.scene + ": " + std::to_string(scene.objects().size()) + " objects, " +
+         std::to_string(scene.faces().size()) + " faces, " + std::to_string(scene.facets().size()) +
+         " facets, read in " + tenths(load_ms) + " ms; " + std::to_string(a.options.threads) +
+         (a.options.threads == 1 ? " thread\n" : " threads\n") + sentence(alignment_of(scene)) +
+         table.text();
 }
 
 // The drawing for each output; those that are no drawings take none.
-std::vector<io::View> views_of(const Scene& scene, const std::vector<NamedLight>& lights, const CastArguments& a) {
+std::vector<io::View> views_of(const Scene& scene, const std::vector<NamedLight>& lights,
+                               const CastArguments& a) {
   std::vector<io::View> views;
   std::size_t drawing = 0;
   for (const std::string& path : a.outputs) {
@@ -123,10 +138,13 @@ void cast(const CastArguments& arguments) {
 
   Outputs outputs;
   for (std::size_t i = 0; i < a.outputs.size(); ++i)
-    outputs.write(a.outputs[i], [&] { io::write_fragments(a.outputs[i], scene, engine, views[i]); });
+    outputs.write(a.outputs[i],
+                  [&] { io::write_fragments(a.outputs[i], scene, engine, views[i]); });
   if (!a.areas.empty()) outputs.write(a.areas, [&] { io::write_areas(a.areas, scene, engine); });
-  if (!a.json.empty()) outputs.write(a.json, [&] { io::write_text(a.json, summary(engine, lights, a, load_ms)); });
-  if (!a.quiet && a.json != "-") outputs.write("-", [&] { io::write_text("-", table(scene, engine, lights, a, load_ms)); });
+  if (!a.json.empty())
+    outputs.write(a.json, [&] { io::write_text(a.json, summary(engine, lights, a, load_ms)); });
+  if (!a.quiet && a.json != "-")
+    outputs.write("-", [&] { io::write_text("-", table(scene, engine, lights, a, load_ms)); });
 }
 
 }  // namespace shadowcut::cli

@@ -1,4 +1,5 @@
-// Changes as JSON lines; see changes.hpp. Written by hand, for the first line holds every fragment of the scene.
+// Changes as JSON lines; see changes.hpp. Written by hand, for the first line holds every fragment
+// of the scene.
 #include "changes.hpp"
 
 #include <nlohmann/json.hpp>
@@ -31,7 +32,9 @@ void append_list(std::string& text, const List& list, const Write& write) {
   text += ']';
 }
 
-void append_key(std::string& text, const char* key) { text.append(",\"").append(key).append("\":"); }
+void append_key(std::string& text, const char* key) {
+  text.append(",\"").append(key).append("\":");
+}
 
 }  // namespace
 
@@ -43,7 +46,8 @@ void ChangesFile::write(std::size_t update, const Engine& engine, const Changes&
   }
 }
 
-void ChangesFile::append_line(std::size_t update, const Engine& engine, const LightChanges& changes) {
+void ChangesFile::append_line(std::size_t update, const Engine& engine,
+                              const LightChanges& changes) {
   io::append(text_ += "{\"update\":", std::uint64_t{update});
   append_key(text_, "light"), append(text_, changes.light);
   append_key(text_, "rebuilt"), text_ += changes.rebuilt ? "true" : "false";
@@ -71,15 +75,17 @@ void ChangesFile::append_added(const Engine& engine, const LightChanges& changes
     const Face& face = scene.faces()[fragment.face];
     append(text_ += "{\"id\":", added.id);
     append_key(text_, "face"), append(text_, fragment.face);
-    append_key(text_, "object"), text_ += nlohmann::json(io::printable(scene.objects()[face.object].name)).dump();
+    append_key(text_, "object"),
+        text_ += nlohmann::json(io::printable(scene.objects()[face.object].name)).dump();
     append_key(text_, "number"), append(text_, face.number);
     append_key(text_, "lit"), text_ += fragment.lit ? "true" : "false";
     append_key(text_, "caster");
     if (fragment.caster == none) text_ += "null";
     else append(text_, fragment.caster);
     append_key(text_, "corners");
-    append_list(text_, block.corners_of(fragment),
-                [this](const Vec3& corner) { append_list(text_, corner, [this](double x) { io::append(text_, x); }); });
+    append_list(text_, block.corners_of(fragment), [this](const Vec3& corner) {
+      append_list(text_, corner, [this](double x) { io::append(text_, x); });
+    });
     text_ += '}';
   });
 }

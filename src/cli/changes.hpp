@@ -2,13 +2,14 @@
 //
 //   {"update":U,"light":L,"rebuilt":BOOL,"removed":BOOL,
 //    "gone":[[cell,piece,place],...],
-//    "added":[{"id":[cell,piece,place],"face":F,"object":NAME,"number":N,"lit":BOOL,"caster":F or null,
+//    "added":[{"id":[cell,piece,place],"face":F,"object":NAME,"number":N,"lit":BOOL,"caster":F or
+//      null,
 //              "corners":[[x,y,z],...]},...],
 //    "areas":[{"face":F,"lit":A,"shadowed":A,"area":A},...]}
 //
-// A line for each light whose shadows changed. Update 0 is the build: a mirror that begins empty and applies every line, `gone` first,
-// holds the fragments that the engine lists. `face` and `caster` are numbers of the scene's faces, `number` is the face's within its
-// object.
+// A line for each light whose shadows changed. Update 0 is the build: a mirror that begins empty
+// and applies every line, `gone` first, holds the fragments that the engine lists. `face` and
+// `caster` are numbers of the scene's faces, `number` is the face's within its object.
 #pragma once
 
 #include <cstddef>

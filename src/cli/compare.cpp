@@ -27,20 +27,23 @@ std::vector<Algorithm> parse_algorithms(const std::string& list) {
     const std::size_t end = std::min(list.find(',', begin), list.size());
     const std::string name = list.substr(begin, end - begin);
     bool known = false;
-    for (const Algorithm a : {Algorithm::brute, Algorithm::ordered, Algorithm::tiling, Algorithm::unordered}) {
+    for (const Algorithm a :
+         {Algorithm::brute, Algorithm::ordered, Algorithm::tiling, Algorithm::unordered}) {
       if (name != compare::name_of(a)) continue;
       known = true;
-      if (std::find(algorithms.begin(), algorithms.end(), a) != algorithms.end()) throw Error("--algorithms: '" + name + "' stands twice");
+      if (std::find(algorithms.begin(), algorithms.end(), a) != algorithms.end())
+        throw Error("--algorithms: '" + name + "' stands twice");
       algorithms.push_back(a);
     }
-    if (!known) throw Error("--algorithms: '" + name + "' is none of brute, ordered, tiling, unordered");
+    if (!known)
+      throw Error("--algorithms: '" + name + "' is none of brute, ordered, tiling, unordered");
     begin = end + 1;
   }
   return algorithms;
 }
 
-std::vector<Row> run(const Scene& scene, const std::vector<NamedLight>& lights, const std::vector<Algorithm>& algorithms,
-                     const compare::Settings& settings) {
+std::vector<Row> run(const Scene& scene, const std::vector<NamedLight>& lights,
+                     const std::vector<Algorithm>& algorithms, const compare::Settings& settings) {
   std::vector<Row> rows;
   for (const Algorithm a : algorithms) {
     std::vector<compare::Result> results = compare::cast(scene, scene.lights(), a, settings);
@@ -72,12 +75,14 @@ std::string json_text(const std::vector<Row>& rows) {
 }
 
 std::string table(const std::vector<Row>& rows) {
-  Table table({"algorithm", "light", "faces", "after BSP", "lit area", "lit", "shadowed", "order ms", "shadow ms", "bytes"});
+  Table table({"algorithm", "light", "faces", "after BSP", "lit area", "lit", "shadowed",
+               "order ms", "shadow ms", "bytes"});
   for (const Row& row : rows) {
     const compare::Result& r = row.result;
-    table.add({row.algorithm, row.light, std::to_string(r.faces_in), std::to_string(r.faces_after_bsp), significant(r.lit_area),
-               std::to_string(r.lit_fragments), std::to_string(r.shadowed_fragments), thousandths(r.order_ms), thousandths(r.shadow_ms),
-               std::to_string(r.memory_bytes)});
+    table.add({row.algorithm, row.light, std::to_string(r.faces_in),
+               std::to_string(r.faces_after_bsp), significant(r.lit_area),
+               std::to_string(r.lit_fragments), std::to_string(r.shadowed_fragments),
+               thousandths(r.order_ms), thousandths(r.shadow_ms), std::to_string(r.memory_bytes)});
   }
   return table.text();
 }

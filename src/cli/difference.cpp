@@ -1,9 +1,11 @@
 // The symmetric difference of lit regions; see difference.hpp.
 //
-// Polygons are not clipped here: the line through two corners that are 1e-15 apart has a direction of its own, and would cut off what
-// it liked. The common area of polygons P and Q is taken from their edges instead. With s(e) = +1 for edges that run to the left and -1 for
-// the others, the indicator of P is the sum over its edges of s(e) [y is below e], and so
-//   area(P and Q) = sum over edges e of P and f of Q of s(e) s(f) * integral of min(y_e, y_f) - y0 over the x that both span,
+// Polygons are not clipped here: the line through two corners that are 1e-15 apart has a direction
+// of its own, and would cut off what it liked. The common area of polygons P and Q is taken from
+// their edges instead. With s(e) = +1 for edges that run to the left and -1 for the others, the
+// indicator of P is the sum over its edges of s(e) [y is below e], and so
+//   area(P and Q) = sum over edges e of P and f of Q of s(e) s(f) * integral of min(y_e, y_f) - y0
+//     over the x that both span,
 // whatever y0. Each term moves by no more than the corners do, however short or steep an edge is.
 #include "difference.hpp"
 
@@ -28,7 +30,9 @@ struct Layer {
   std::vector<Point> corners;
   std::vector<Polygon> polygons;
 
-  std::span<const Point> of(const Polygon& p) const { return std::span(corners).subspan(p.first, p.count); }
+  std::span<const Point> of(const Polygon& p) const {
+    return std::span(corners).subspan(p.first, p.count);
+  }
   void clear() { corners.clear(), polygons.clear(); }
 };
 
@@ -36,11 +40,14 @@ double cross(const Point& a, const Point& b) { return a.x() * b.y() - a.y() * b.
 
 // The integral of min(e, f) - y0 over the x that both edges span; signed as above.
 double below_both(const Point& a, const Point& b, const Point& c, const Point& d, double y0) {
-  const auto at = [](const Point& p, const Point& q, double x) { return p.y() + (q.y() - p.y()) * ((x - p.x()) / (q.x() - p.x())); };
+  const auto at = [](const Point& p, const Point& q, double x) {
+    return p.y() + (q.y() - p.y()) * ((x - p.x()) / (q.x() - p.x()));
+  };
   const double left = std::max(std::min(a.x(), b.x()), std::min(c.x(), d.x()));
   const double right = std::min(std::max(a.x(), b.x()), std::max(c.x(), d.x()));
   if (!(left < right)) return 0;
-  const double e0 = at(a, b, left) - y0, e1 = at(a, b, right) - y0, f0 = at(c, d, left) - y0, f1 = at(c, d, right) - y0;
+  const double e0 = at(a, b, left) - y0, e1 = at(a, b, right) - y0, f0 = at(c, d, left) - y0,
+               f1 = at(c, d, right) - y0;
   double integral = 0.5 * (std::min(e0, f0) + std::min(e1, f1));
   if ((e0 < f0 && e1 > f1) || (e0 > f0 && e1 < f1)) {  // they cross
     const double gap0 = std::abs(e0 - f0), gap1 = std::abs(e1 - f1), share = gap0 / (gap0 + gap1);
@@ -57,18 +64,22 @@ double common_area(const Layer& one, const Polygon& p, const Layer& other, const
   const std::span<const Point> ps = one.of(p), qs = other.of(q);
   double sum = 0;
   for (std::size_t i = 0; i < ps.size(); ++i)
-    for (std::size_t k = 0; k < qs.size(); ++k) sum += below_both(ps[i], ps[(i + 1) % ps.size()], qs[k], qs[(k + 1) % qs.size()], y0);
+    for (std::size_t k = 0; k < qs.size(); ++k)
+      sum += below_both(ps[i], ps[(i + 1) % ps.size()], qs[k], qs[(k + 1) % qs.size()], y0);
   return std::abs(sum);
 }
 
 // Finds the polygons of a layer that may meet a box.
 class Grid {
  public:
-  explicit Grid(const Layer& layer) : side_(std::clamp(std::ceil(std::sqrt(static_cast<double>(layer.polygons.size()))), 1.0, 1024.0)) {
+  explicit Grid(const Layer& layer)
+      : side_(std::clamp(std::ceil(std::sqrt(static_cast<double>(layer.polygons.size()))), 1.0,
+                         1024.0)) {
     for (const Polygon& p : layer.polygons) box_.extend(p.box);
     cells_.resize(static_cast<std::size_t>(side_ * side_));
     seen_.resize(layer.polygons.size(), none);
-    for (std::uint32_t i = 0; i < layer.polygons.size(); ++i) each_cell(layer.polygons[i].box, [&](auto& cell) { cell.push_back(i); });
+    for (std::uint32_t i = 0; i < layer.polygons.size(); ++i)
+      each_cell(layer.polygons[i].box, [&](auto& cell) { cell.push_back(i); });
   }
 
   // Each once; `number` is one that has not been used before.
@@ -93,7 +104,8 @@ class Grid {
     };
     const std::size_t left = index(box.min().x(), 0), right = index(box.max().x(), 0);
     for (std::size_t y = index(box.min().y(), 1); y <= index(box.max().y(), 1); ++y)
-      for (std::size_t x = left; x <= right; ++x) visit(cells_[y * static_cast<std::size_t>(side_) + x]);
+      for (std::size_t x = left; x <= right; ++x)
+        visit(cells_[y * static_cast<std::size_t>(side_) + x]);
   }
 
   double side_;
@@ -102,7 +114,8 @@ class Grid {
   std::vector<std::uint32_t> seen_;
 };
 
-// What of either is not just once in the other. By polygon, lest what is there twice makes up for what is missing.
+// What of either is not just once in the other. By polygon, lest what is there twice makes up for
+// what is missing.
 double symmetric_difference(const Layer& one, const Layer& other) {
   if (one.polygons.empty() && other.polygons.empty()) return 0;
   std::vector<double> rest;
@@ -126,7 +139,8 @@ double symmetric_difference(const Layer& one, const Layer& other) {
 // The lit fragments of one light's shadows, by facet.
 class LitFragments {
  public:
-  LitFragments(const Scene& scene, const Shadows& shadows) : scene_(scene), first_(scene.facets().size() + 1, 0) {
+  LitFragments(const Scene& scene, const Shadows& shadows)
+      : scene_(scene), first_(scene.facets().size() + 1, 0) {
     for (const Block& block : shadows.blocks)
       for (const Fragment& f : block.fragments)
         if (f.lit) ++first_[f.facet + 1];
@@ -149,7 +163,8 @@ class LitFragments {
         p.box.extend(out.corners.back());
       }
       const std::span<const Point> c = out.of(p);
-      for (std::size_t k = 2; k < c.size(); ++k) p.area += 0.5 * cross(c[k - 1] - c[0], c[k] - c[0]);
+      for (std::size_t k = 2; k < c.size(); ++k)
+        p.area += 0.5 * cross(c[k - 1] - c[0], c[k] - c[0]);
       out.polygons.push_back(p);
     }
   }
@@ -185,7 +200,8 @@ Difference greatest_difference(const Scene& scene, const Shadows& one, const Sha
     if (face.facet_count == 0) continue;
     const double region = regions[f];
     const double area = std::abs(one.areas[f].lit - other.areas[f].lit);
-    const double share = std::isfinite(region + area) ? std::max(region, area) / face.area : std::numeric_limits<double>::infinity();
+    const double share = std::isfinite(region + area) ? std::max(region, area) / face.area
+                                                      : std::numeric_limits<double>::infinity();
     if (greatest.face == none || share > greatest.share) greatest = {share, f};
   }
   return greatest;

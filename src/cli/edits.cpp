@@ -21,9 +21,10 @@ struct Form {
 };
 
 const std::vector<Form>& forms() {
-  static const std::vector<Form> all{{"move", Op::move, {"object", "translate"}}, {"pose", Op::pose, {"object", "matrix"}},
-                                     {"remove", Op::remove, {"object"}},          {"add", Op::add, {"object"}},
-                                     {"light", Op::light, {"light", "at"}},       {"update", Op::update, {}}};
+  static const std::vector<Form> all{
+      {"move", Op::move, {"object", "translate"}}, {"pose", Op::pose, {"object", "matrix"}},
+      {"remove", Op::remove, {"object"}},          {"add", Op::add, {"object"}},
+      {"light", Op::light, {"light", "at"}},       {"update", Op::update, {}}};
   return all;
 }
 
@@ -33,7 +34,8 @@ std::string quoted(const std::string& word) { return "'" + io::printable(word) +
 json parse_line(std::string_view line) {
   std::set<std::string> keys;
   const auto see = [&keys](int depth, json::parse_event_t event, json& value) {
-    if (event == json::parse_event_t::key && depth == 1 && !keys.insert(value.get<std::string>()).second)
+    if (event == json::parse_event_t::key && depth == 1 &&
+        !keys.insert(value.get<std::string>()).second)
       throw Error("the key " + quoted(value.get<std::string>()) + " stands there twice");
     return true;
   };
@@ -52,16 +54,19 @@ const Form& form_of(const json& object) {
   if (!op->is_string()) throw Error("\"op\" is not a string");
   for (const Form& form : forms())
     if (*op == form.word) return form;
-  throw Error("unknown op " + quoted(op->get<std::string>()) + ": it is none of move, pose, remove, add, light, update");
+  throw Error("unknown op " + quoted(op->get<std::string>()) +
+              ": it is none of move, pose, remove, add, light, update");
 }
 
 void check_keys(const json& object, const Form& form) {
   for (const char* key : form.keys)
-    if (!object.contains(key)) throw Error(std::string("the op ") + form.word + " needs \"" + key + "\"");
+    if (!object.contains(key))
+      throw Error(std::string("the op ") + form.word + " needs \"" + key + "\"");
   for (const auto& item : object.items()) {
     bool known = item.key() == "op";
     for (const char* key : form.keys) known = known || item.key() == key;
-    if (!known) throw Error(std::string("the op ") + form.word + " has no key " + quoted(item.key()));
+    if (!known)
+      throw Error(std::string("the op ") + form.word + " has no key " + quoted(item.key()));
   }
 }
 
@@ -73,7 +78,9 @@ std::vector<double> numbers_of(const json& object, const char* key, std::size_t 
     good = list[i].is_number() && std::isfinite(list[i].get<double>());
     if (good) numbers.push_back(list[i].get<double>());
   }
-  if (!good) throw Error("\"" + std::string(key) + "\" is not a list of " + std::to_string(count) + " finite numbers");
+  if (!good)
+    throw Error("\"" + std::string(key) + "\" is not a list of " + std::to_string(count) +
+                " finite numbers");
   return numbers;
 }
 
@@ -84,10 +91,12 @@ Vec3 vector_of(const json& object, const char* key) {
 
 Pose pose_of(const json& object) {
   const std::vector<double> n = numbers_of(object, "matrix", 16);
-  if (n[12] != 0 || n[13] != 0 || n[14] != 0 || n[15] != 1) throw Error("the last row of \"matrix\" is not 0, 0, 0, 1");
+  if (n[12] != 0 || n[13] != 0 || n[14] != 0 || n[15] != 1)
+    throw Error("the last row of \"matrix\" is not 0, 0, 0, 1");
   Pose pose = Pose::Identity();
   for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column) pose(row, column) = n[static_cast<std::size_t>(4 * row + column)];
+    for (int column = 0; column < 4; ++column)
+      pose(row, column) = n[static_cast<std::size_t>(4 * row + column)];
   return pose;
 }
 
@@ -105,14 +114,17 @@ Step step_of(std::string_view line) {
   if (step.op == Op::move) step.vector = vector_of(object, "translate");
   if (step.op == Op::pose) step.pose = pose_of(object);
   if (step.op == Op::light) {
-    if (!object["light"].is_number_unsigned()) throw Error("\"light\" is not a light's number, from 0");
+    if (!object["light"].is_number_unsigned())
+      throw Error("\"light\" is not a light's number, from 0");
     step.light = object["light"].get<std::size_t>();
     step.vector = vector_of(object, "at");
   }
   return step;
 }
 
-std::string place_of(const std::string& file, std::size_t line) { return file + ":" + std::to_string(line) + ": "; }
+std::string place_of(const std::string& file, std::size_t line) {
+  return file + ":" + std::to_string(line) + ": ";
+}
 
 }  // namespace
 
@@ -168,7 +180,9 @@ Player::Named& Player::named(const std::string& name) {
   const auto place = objects_.find(name);
   if (place == objects_.end()) throw Error("the scene has no object " + quoted(name));
   const std::size_t count = place->second.count;
-  if (count > 1) throw Error("object " + quoted(name) + " is ambiguous: " + std::to_string(count) + " objects of the scene have that name");
+  if (count > 1)
+    throw Error("object " + quoted(name) + " is ambiguous: " + std::to_string(count) +
+                " objects of the scene have that name");
   return place->second;
 }
 

@@ -1,11 +1,15 @@
 // A script of edits: one JSON object a line.
 //
 //   {"op":"move","object":NAME,"translate":[x,y,z]}             relative to where it is
-//   {"op":"pose","object":NAME,"matrix":[16 numbers, by rows]}  local to world; the last row is 0 0 0 1
+//   {"op":"pose","object":NAME,"matrix":[16 numbers, by rows]}  local to world; the last row is 0 0
+//     0 1
 //   {"op":"remove","object":NAME}
-//   {"op":"add","object":NAME}                                  brings a removed object back, as it was
-//   {"op":"light","light":INDEX,"at":[x,y,z]}                   moves a light; of a sun: its direction of travel
-//   {"op":"update"}                                             ends a group; one that is not ended is ended by the file's end
+//   {"op":"add","object":NAME}                                  brings a removed object back, as it
+//     was
+//   {"op":"light","light":INDEX,"at":[x,y,z]}                   moves a light; of a sun: its
+//     direction of travel
+//   {"op":"update"}                                             ends a group; one that is not ended
+//     is ended by the file's end
 #pragma once
 
 #include <cstddef>
@@ -29,7 +33,8 @@ struct Step {
   Pose pose = Pose::Identity();
 };
 
-// Blank lines are no steps. Throws Error that begins with FILE:LINE when a line is anything but one of the above.
+// Blank lines are no steps. Throws Error that begins with FILE:LINE when a line is anything but one
+// of the above.
 std::vector<Step> parse_edits(std::string_view text, const std::string& file);
 
 // Applies steps to a scene, whose objects and lights they name.
@@ -38,7 +43,8 @@ class Player {
   // `file`: the script's, for messages.
   Player(Scene& scene, std::string file);
 
-  // Any step but an update. Throws Error that begins with FILE:LINE when it cannot be done, and then the scene is as it was.
+  // Any step but an update. Throws Error that begins with FILE:LINE when it cannot be done, and
+  // then the scene is as it was.
   void apply(const Step& step);
 
  private:

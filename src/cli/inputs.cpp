@@ -16,7 +16,8 @@ constexpr std::size_t most_issues = 20;
 std::vector<NamedLight> lights_of(const Scene& scene, const std::string& file) {
   std::vector<NamedLight> lights;
   for (const Light& light : scene.lights()) lights.push_back({light, light_spec(light)});
-  if (lights.empty()) throw Error(file + ": the scene has no light of its own, and there is no --light");
+  if (lights.empty())
+    throw Error(file + ": the scene has no light of its own, and there is no --light");
   return lights;
 }
 
@@ -28,7 +29,8 @@ std::vector<NamedLight> parse_lights(const std::vector<std::string>& specs) {
   return lights;
 }
 
-std::vector<NamedLight> set_lights(Scene& scene, const std::vector<NamedLight>& given, const std::string& file) {
+std::vector<NamedLight> set_lights(Scene& scene, const std::vector<NamedLight>& given,
+                                   const std::string& file) {
   std::vector<NamedLight> lights = given.empty() ? lights_of(scene, file) : given;
   std::vector<Light> plain;
   for (const NamedLight& l : lights) plain.push_back(l.light);
@@ -40,13 +42,16 @@ Scene read(const Reading& reading) {
   Scene scene = io::read_scene(reading.file, reading.options);
   if (reading.strict && !scene.issues().empty()) {
     list_issues(scene, reading.file, most_issues);
-    throw Error(reading.file + ": " + std::to_string(scene.issues().size()) + " faces refused or repaired, and --strict allows none");
+    throw Error(reading.file + ": " + std::to_string(scene.issues().size()) +
+                " faces refused or repaired, and --strict allows none");
   }
   if (!reading.quiet) list_issues(scene, reading.file, most_issues);
   if (scene.facets().empty()) throw Error(reading.file + ": no usable face: see inspect");
   return scene;
 }
 
-unsigned threads_of(unsigned wanted) { return wanted != 0 ? wanted : std::max(1u, std::thread::hardware_concurrency()); }
+unsigned threads_of(unsigned wanted) {
+  return wanted != 0 ? wanted : std::max(1u, std::thread::hardware_concurrency());
+}
 
 }  // namespace shadowcut::cli

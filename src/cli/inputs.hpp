@@ -15,8 +15,10 @@ struct NamedLight {
 // From --light.
 std::vector<NamedLight> parse_lights(const std::vector<std::string>& specs);
 
-// Gives a scene its lights, and returns them: those given, or, when there are none, the file's own. Throws Error when that has none either.
-std::vector<NamedLight> set_lights(Scene& scene, const std::vector<NamedLight>& given, const std::string& file);
+// Gives a scene its lights, and returns them: those given, or, when there are none, the file's own.
+// Throws Error when that has none either.
+std::vector<NamedLight> set_lights(Scene& scene, const std::vector<NamedLight>& given,
+                                   const std::string& file);
 
 struct Reading {
   std::string file;

@@ -19,7 +19,8 @@ struct Count {
 std::vector<Count> counts_of(const Scene& scene) {
   std::vector<Count> counts(scene.objects().size());
   for (const Face& face : scene.faces()) counts[face.object].facets += face.facet_count;
-  for (const Issue& issue : scene.issues()) ++(refuses(issue.reason) ? counts[issue.object].refused : counts[issue.object].repaired);
+  for (const Issue& issue : scene.issues())
+    ++(refuses(issue.reason) ? counts[issue.object].refused : counts[issue.object].repaired);
   return counts;
 }
 
@@ -29,7 +30,8 @@ ordered_json json_of(const Light& light) {
   ordered_json entry{{"light", light_spec(light)}, {"name", light.name}};
   if (std::isfinite(light.range)) entry["range"] = light.range;
   if (light.spot) {
-    entry["spot"] = {{"axis", {light.spot->axis.x(), light.spot->axis.y(), light.spot->axis.z()}}, {"half_angle", light.spot->half_angle}};
+    entry["spot"] = {{"axis", {light.spot->axis.x(), light.spot->axis.y(), light.spot->axis.z()}},
+                     {"half_angle", light.spot->half_angle}};
   }
   return entry;
 }
@@ -71,17 +73,21 @@ std::string plain_text(const Scene& scene, const std::string& file, double load_
   const std::vector<Count> counts = counts_of(scene);
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const Object& o = scene.objects()[i];
-    objects.add({o.name, name_of(o.sides), std::to_string(o.face_count), std::to_string(counts[i].facets),
-                 std::to_string(counts[i].refused), std::to_string(counts[i].repaired), std::to_string(o.aligned),
+    objects.add({o.name, name_of(o.sides), std::to_string(o.face_count),
+                 std::to_string(counts[i].facets), std::to_string(counts[i].refused),
+                 std::to_string(counts[i].repaired), std::to_string(o.aligned),
                  significant(o.signed_volume)});
   }
-  std::string text = file + ": " + std::to_string(scene.objects().size()) + " objects, " + std::to_string(scene.faces().size()) +
-                     " faces, " + std::to_string(scene.lights().size()) + " lights, " + std::to_string(scene.issues().size()) +
-                     " issues, read in " + tenths(load_ms) + " ms\n" + sentence(alignment_of(scene)) + "\n" + objects.text();
+  std::string text = file + ": " + std::to_string(scene.objects().size()) + " objects, " +
+                     std::to_string(scene.faces().size()) + " faces, " +
+                     std::to_string(scene.lights().size()) + " lights, " +
+                     std::to_string(scene.issues().size()) + " issues, read in " + tenths(load_ms) +
+                     " ms\n" + sentence(alignment_of(scene)) + "\n" + objects.text();
   if (!scene.lights().empty()) {
     Table lights({"light", "name", "range", "half angle"});
     for (const Light& l : scene.lights())
-      lights.add({light_spec(l), l.name, significant(l.range), l.spot ? significant(l.spot->half_angle) : "-"});
+      lights.add({light_spec(l), l.name, significant(l.range),
+                  l.spot ? significant(l.spot->half_angle) : "-"});
     text.append("\n").append(lights.text());
   }
   if (!scene.issues().empty()) text += '\n';

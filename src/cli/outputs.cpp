@@ -22,7 +22,8 @@ void remove(const std::string& path) {
 void check_folder(const std::string& path) {
   const fs::path folder = fs::absolute(path).parent_path();
   std::error_code error;
-  if (path.empty() || !fs::is_directory(folder, error)) throw Error(path + ": cannot be written: there is no folder " + folder.string());
+  if (path.empty() || !fs::is_directory(folder, error))
+    throw Error(path + ": cannot be written: there is no folder " + folder.string());
 }
 
 void Outputs::write(const std::string& path, const std::function<void()>& write) {
@@ -33,7 +34,8 @@ void Outputs::write(const std::string& path, const std::function<void()>& write)
     throw;
   }
   written_.push_back(path);
-  if (io::extension_of(path) == ".obj") written_.push_back(fs::path(path).replace_extension(".mtl").string());
+  if (io::extension_of(path) == ".obj")
+    written_.push_back(fs::path(path).replace_extension(".mtl").string());
 }
 
 }  // namespace shadowcut::cli

@@ -7,7 +7,8 @@
 
 namespace shadowcut::cli {
 
-// Throws Error unless a file can stand at this path. What can be known to fail before the work is done shall fail before the work is done.
+// Throws Error unless a file can stand at this path. What can be known to fail before the work is
+// done shall fail before the work is done.
 void check_folder(const std::string& path);
 
 // Writes one after the other; when one fails, those before it go too.

@@ -16,9 +16,11 @@ namespace {
 
 using nlohmann::ordered_json;
 
-std::string json_text(const RenderArguments& a, const std::vector<NamedLight>& lights, const render::Figures& figures, double draw_ms) {
-  ordered_json document{{"scene", a.scene},   {"technique", a.technique}, {"width", a.width},
-                        {"height", a.height}, {"draw_ms", draw_ms},       {"lights", ordered_json::array()}};
+std::string json_text(const RenderArguments& a, const std::vector<NamedLight>& lights,
+                      const render::Figures& figures, double draw_ms) {
+  ordered_json document{{"scene", a.scene},   {"technique", a.technique},
+                        {"width", a.width},   {"height", a.height},
+                        {"draw_ms", draw_ms}, {"lights", ordered_json::array()}};
   for (const NamedLight& light : lights) document["lights"].push_back(light.spec);
   for (const auto& [name, value] : figures) document["figures"][name] = value;
   return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
@@ -28,13 +30,15 @@ render::MapSettings map_settings(const RenderArguments& a) {
   render::MapSettings map;
   const bool texture = a.technique == "shadow-texture";
   if (a.map_side) {
-    if (!texture && a.technique != "shadow-map") throw Error("--map-size: " + a.technique + " has no map");
+    if (!texture && a.technique != "shadow-map")
+      throw Error("--map-size: " + a.technique + " has no map");
     map.side = *a.map_side;
   }
   if (!a.bias.empty()) {
     if (a.technique != "shadow-map") throw Error("--bias: is of shadow-map alone");
     const std::vector<double> bias = parse_numbers_of("--bias", a.bias, "SLOPE,UNITS,TEXELS");
-    map.slope_bias = static_cast<float>(bias[0]), map.unit_bias = static_cast<float>(bias[1]), map.texel_bias = static_cast<float>(bias[2]);
+    map.slope_bias = static_cast<float>(bias[0]), map.unit_bias = static_cast<float>(bias[1]),
+    map.texel_bias = static_cast<float>(bias[2]);
   }
   return map;
 }
@@ -57,7 +61,8 @@ void render_picture(const RenderArguments& a) {
   const render::MapSettings map = map_settings(a);
   check_folder(a.output);
   if (!a.json.empty() && a.json != "-") check_folder(a.json);
-  if (io::extension_of(a.output) != ".png") throw Error("-o: '" + a.output + "' does not end in .png");
+  if (io::extension_of(a.output) != ".png")
+    throw Error("-o: '" + a.output + "' does not end in .png");
   const io::View view = parse_camera(a.camera);
   const render::Camera camera{view.eye, view.target, view.fov, view.up};
   const std::vector<NamedLight> given = parse_lights(a.lights);
@@ -78,9 +83,14 @@ void render_picture(const RenderArguments& a) {
 
   Outputs outputs;
   outputs.write(a.output, [&] { render::write_png(a.output, picture); });
-  if (!a.json.empty()) outputs.write(a.json, [&] { io::write_text(a.json, json_text(a, lights, technique->figures(), draw_ms)); });
+  if (!a.json.empty())
+    outputs.write(a.json, [&] {
+      io::write_text(a.json, json_text(a, lights, technique->figures(), draw_ms));
+    });
   if (!a.quiet && a.json != "-")
-    outputs.write("-", [&] { io::write_text("-", a.output + ": " + a.technique + ", " + tenths(draw_ms) + " ms\n"); });
+    outputs.write("-", [&] {
+      io::write_text("-", a.output + ": " + a.technique + ", " + tenths(draw_ms) + " ms\n");
+    });
 }
 
 }  // namespace shadowcut::cli

@@ -27,7 +27,8 @@ struct Record {
   std::size_t update = 0, edits = 0;
   double edit_ms = 0, update_ms = 0;  // the scene's part, and the engine's
   std::uint64_t gone = 0, fresh = 0;
-  std::uint64_t fragments = 0, nodes = 0, marked = 0, joined = 0, deferred = 0;  // now; joined and deferred since the build
+  // now; joined and deferred since the build
+  std::uint64_t fragments = 0, nodes = 0, marked = 0, joined = 0, deferred = 0;
   double lit_area = 0;
   std::size_t issues = 0;  // of the scene, now
   bool complete = true;
@@ -55,7 +56,12 @@ Record record_of(const Engine& engine, const Changes& changes) {
 class Replay {
  public:
   Replay(Scene& scene, const std::vector<Step>& steps, const ReplayArguments& a)
-      : scene_(scene), steps_(steps), arguments_(a), bar_(!a.quiet), player_(scene, a.edits), engine_(scene, with_progress(a.options)) {
+      : scene_(scene),
+        steps_(steps),
+        arguments_(a),
+        bar_(!a.quiet),
+        player_(scene, a.edits),
+        engine_(scene, with_progress(a.options)) {
     if (!a.changes.empty()) changes_.emplace(a.changes);
   }
 
@@ -88,7 +94,8 @@ class Replay {
 
   std::string difference() const {
     if (first_difference_.empty()) return {};
-    return arguments_.edits + ": " + first_difference_ + "; at most " + significant(max_area_error_) + " in all updates";
+    return arguments_.edits + ": " + first_difference_ + "; at most " +
+           significant(max_area_error_) + " in all updates";
   }
 
  private:
@@ -114,7 +121,8 @@ class Replay {
 
   void verify() {
     for (std::size_t k = 0; k < scene_.lights().size(); ++k) {
-      const Difference d = greatest_difference(scene_, engine_.shadows(k), cast_shadows(scene_, scene_.lights()[k], arguments_.options));
+      const Difference d = greatest_difference(
+          scene_, engine_.shadows(k), cast_shadows(scene_, scene_.lights()[k], arguments_.options));
       max_area_error_ = std::max(max_area_error_, d.share);
       if (d.share > most_error && first_difference_.empty()) first_difference_ = sentence(k, d);
     }
@@ -122,9 +130,10 @@ class Replay {
 
   std::string sentence(std::size_t light, const Difference& d) const {
     const Face& face = scene_.faces()[d.face];
-    return "update " + std::to_string(records_.back().update) + ", light " + std::to_string(light) + ", object '" +
-           io::printable(scene_.objects()[face.object].name) + "', face " + std::to_string(face.number) + ": differs from a rebuild by " +
-           significant(d.share) + " of its area";
+    return "update " + std::to_string(records_.back().update) + ", light " + std::to_string(light) +
+           ", object '" + io::printable(scene_.objects()[face.object].name) + "', face " +
+           std::to_string(face.number) + ": differs from a rebuild by " + significant(d.share) +
+           " of its area";
   }
 
   void rebuild() {
@@ -170,22 +179,31 @@ double quantile(std::span<const Record> records, double share, const Value& valu
 double update_ms(const Record& r) { return r.update_ms; }
 
 ordered_json json_of(const Record& r) {
-  return {{"update", r.update},       {"edits", r.edits},         {"edit_ms", r.edit_ms},     {"update_ms", r.update_ms},
-          {"fragments_gone", r.gone}, {"fragments_new", r.fresh}, {"fragments", r.fragments}, {"lit_area", r.lit_area},
-          {"tree_nodes", r.nodes},    {"marked_nodes", r.marked}, {"joined", r.joined},       {"deferred", r.deferred},
+  return {{"update", r.update},       {"edits", r.edits},         {"edit_ms", r.edit_ms},
+          {"update_ms", r.update_ms}, {"fragments_gone", r.gone}, {"fragments_new", r.fresh},
+          {"fragments", r.fragments}, {"lit_area", r.lit_area},   {"tree_nodes", r.nodes},
+          {"marked_nodes", r.marked}, {"joined", r.joined},       {"deferred", r.deferred},
           {"issues", r.issues},       {"complete", r.complete}};
 }
 
-std::string summary(const Replay& run, const ReplayArguments& a, double load_ms, const Alignment& alignment) {
+std::string summary(const Replay& run, const ReplayArguments& a, double load_ms,
+                    const Alignment& alignment) {
   const std::span<const Record> updates = std::span(run.records()).subspan(1);
   const std::span<const Record> later = updates.subspan(std::min<std::size_t>(1, updates.size()));
-  ordered_json document{
-      {"scene", a.scene},   {"script", a.edits},           {"kernel", kernel_name(a.options.kernel)}, {"threads", a.options.threads},
-      {"load_ms", load_ms}, {"aligned", alignment.facets}, {"build", json_of(run.records().front())}, {"updates", ordered_json::array()}};
+  ordered_json document{{"scene", a.scene},
+                        {"script", a.edits},
+                        {"kernel", kernel_name(a.options.kernel)},
+                        {"threads", a.options.threads},
+                        {"load_ms", load_ms},
+                        {"aligned", alignment.facets},
+                        {"build", json_of(run.records().front())},
+                        {"updates", ordered_json::array()}};
   for (const Record& r : updates) document["updates"].push_back(json_of(r));
   document["first_ms"] = updates.empty() ? ordered_json() : ordered_json(updates.front().update_ms);
-  document["next_median_ms"] = later.empty() ? ordered_json() : ordered_json(quantile(later, 0.5, update_ms));
-  document["next_p999_ms"] = later.empty() ? ordered_json() : ordered_json(quantile(later, 0.999, update_ms));
+  document["next_median_ms"] =
+      later.empty() ? ordered_json() : ordered_json(quantile(later, 0.5, update_ms));
+  document["next_p999_ms"] =
+      later.empty() ? ordered_json() : ordered_json(quantile(later, 0.999, update_ms));
   document["rebuild_ms"] = run.rebuild_ms();
   document["rebuild_nodes"] = run.rebuilt().nodes;
   document["max_area_error"] = a.verify ? ordered_json(run.max_area_error()) : ordered_json();
@@ -193,14 +211,17 @@ std::string summary(const Replay& run, const ReplayArguments& a, double load_ms,
 }
 
 void add_row(Table& table, const std::string& what, const Record& r) {
-  table.add({what, thousandths(r.update_ms), std::to_string(r.gone), std::to_string(r.fresh), std::to_string(r.fragments),
-             significant(r.lit_area), std::to_string(r.nodes), std::to_string(r.marked)});
+  table.add({what, thousandths(r.update_ms), std::to_string(r.gone), std::to_string(r.fresh),
+             std::to_string(r.fragments), significant(r.lit_area), std::to_string(r.nodes),
+             std::to_string(r.marked)});
 }
 
-void add_quantile(Table& table, const std::string& what, std::span<const Record> records, double share) {
+void add_quantile(Table& table, const std::string& what, std::span<const Record> records,
+                  double share) {
   const double gone = quantile(records, share, [](const Record& r) { return r.gone; });
   const double fresh = quantile(records, share, [](const Record& r) { return r.fresh; });
-  table.add({what, thousandths(quantile(records, share, update_ms)), significant(gone), significant(fresh), "", "", "", ""});
+  table.add({what, thousandths(quantile(records, share, update_ms)), significant(gone),
+             significant(fresh), "", "", "", ""});
 }
 
 std::string table(const Replay& run, const Scene& scene, const ReplayArguments& a) {
@@ -218,15 +239,21 @@ std::string table(const Replay& run, const Scene& scene, const ReplayArguments& 
   add_row(table, "rebuild", rebuilt);
   std::size_t edits = 0;
   for (const Record& r : updates) edits += r.edits;
-  const auto objects = std::count_if(scene.objects().begin(), scene.objects().end(), [](const Object& o) { return o.alive; });
-  std::string text = a.scene + ": " + std::to_string(objects) + " objects, " + std::to_string(scene.lights().size()) +
-                     (scene.lights().size() == 1 ? " light" : " lights") + "; " + a.edits + ": " + std::to_string(edits) + " edits, " +
-                     std::to_string(updates.size()) + " updates; " + std::to_string(a.options.threads) +
+  const auto objects = std::count_if(scene.objects().begin(), scene.objects().end(),
+                                     [](const Object& o) { return o.alive; });
+  std::string text = a.scene + ": " + std::to_string(objects) + " objects, " +
+                     std::to_string(scene.lights().size()) +
+                     (scene.lights().size() == 1 ? " light" : " lights") + "; " + a.edits + ": " +
+                     std::to_string(edits) + " edits, " + std::to_string(updates.size()) +
+                     " updates; " + std::to_string(a.options.threads) +
                      (a.options.threads == 1 ? " thread\n" : " threads\n") + table.text();
   const std::size_t before = run.records().front().issues, after = run.records().back().issues;
   if (before != after)
-    text += "refused or repaired faces: " + std::to_string(before) + " before the edits, " + std::to_string(after) + " after\n";
-  if (a.verify) text += "greatest difference from a rebuild: " + significant(run.max_area_error()) + " of a face's area\n";
+    text += "refused or repaired faces: " + std::to_string(before) + " before the edits, " +
+            std::to_string(after) + " after\n";
+  if (a.verify)
+    text += "greatest difference from a rebuild: " + significant(run.max_area_error()) +
+            " of a face's area\n";
   return text;
 }
 
@@ -249,8 +276,10 @@ std::string replay(const ReplayArguments& arguments) {
 
   Outputs outputs;
   if (run.changes()) outputs.write(a.changes, [&] { run.changes()->commit(); });
-  if (!a.json.empty()) outputs.write(a.json, [&] { io::write_text(a.json, summary(run, a, load_ms, alignment)); });
-  if (!a.quiet && a.json != "-") outputs.write("-", [&] { io::write_text("-", sentence(alignment) + table(run, scene, a)); });
+  if (!a.json.empty())
+    outputs.write(a.json, [&] { io::write_text(a.json, summary(run, a, load_ms, alignment)); });
+  if (!a.quiet && a.json != "-")
+    outputs.write("-", [&] { io::write_text("-", sentence(alignment) + table(run, scene, a)); });
   return run.difference();
 }
 

@@ -13,8 +13,9 @@ namespace {
 
 // Characters, for columns: UTF-8's continuation bytes take no room.
 std::size_t columns_of(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+  }));
 }
 
 std::string formatted(const char* format, double value) {
@@ -25,13 +26,17 @@ std::string formatted(const char* format, double value) {
 
 }  // namespace
 
-double milliseconds_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
 
 void list_issues(const Scene& scene, const std::string& file, std::size_t most) {
   const auto issues = scene.issues();
   for (std::size_t i = 0; i < std::min(issues.size(), most); ++i)
     std::cerr << "shadowcut: " << io::describe(scene, issues[i], file) << '\n';
-  if (issues.size() > most) std::cerr << "shadowcut: " << file << ": ... and " << issues.size() - most << " more: see inspect\n";
+  if (issues.size() > most)
+    std::cerr << "shadowcut: " << file << ": ... and " << issues.size() - most
+              << " more: see inspect\n";
 }
 
 Alignment alignment_of(const Scene& scene) {
@@ -45,14 +50,16 @@ Alignment alignment_of(const Scene& scene) {
 
 std::string sentence(const Alignment& alignment) {
   if (alignment.facets == 0) return {};
-  return std::to_string(alignment.facets) + " facets put into a plane common with others, at most " + significant(alignment.by) +
+  return std::to_string(alignment.facets) +
+         " facets put into a plane common with others, at most " + significant(alignment.by) +
          " from where they were\n";
 }
 
 std::string Table::text() const {
   std::vector<std::size_t> widths(rows_.front().size(), 0);
   for (const auto& row : rows_)
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], columns_of(row[i]));
+    for (std::size_t i = 0; i < row.size(); ++i)
+      widths[i] = std::max(widths[i], columns_of(row[i]));
   std::string text;
   for (const auto& row : rows_) {
     for (std::size_t i = 0; i < row.size(); ++i) {
@@ -81,7 +88,8 @@ void ProgressBar::show(double share) {
   if (hundredths == shown_) return;
   shown_ = hundredths;
   const auto filled = static_cast<std::size_t>(hundredths * 40 / 100);
-  std::cerr << "\r[" << std::string(filled, '#') << std::string(40 - filled, '.') << "] " << hundredths << " %" << std::flush;
+  std::cerr << "\r[" << std::string(filled, '#') << std::string(40 - filled, '.') << "] "
+            << hundredths << " %" << std::flush;
 }
 
 }  // namespace shadowcut::cli

@@ -12,10 +12,12 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds_since(Clock::time_point start);
 
-// A line on standard error for each issue, `most` of them at most, and a line that says how many more there are.
+// A line on standard error for each issue, `most` of them at most, and a line that says how many
+// more there are.
 void list_issues(const Scene& scene, const std::string& file, std::size_t most);
 
-// Facets that were put into a plane that is not their own to the last digit; see Scene::coplanarity_tolerance.
+// Facets that were put into a plane that is not their own to the last digit; see
+// Scene::coplanarity_tolerance.
 struct Alignment {
   std::uint64_t facets = 0;
   double by = 0;  // the farthest corner

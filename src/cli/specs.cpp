@@ -41,13 +41,16 @@ io::View camera_view(const std::vector<double>& n) {
   return view;
 }
 
-std::optional<io::View> face_view(std::string_view object, std::string_view number, const Scene& scene) {
+std::optional<io::View> face_view(std::string_view object, std::string_view number,
+                                  const Scene& scene) {
   std::uint32_t face = 0;
   const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), face);
-  if (number.empty() || error != std::errc() || rest != number.data() + number.size()) return std::nullopt;
+  if (number.empty() || error != std::errc() || rest != number.data() + number.size())
+    return std::nullopt;
   for (const Object& o : scene.objects()) {
     if (!o.alive || o.name != object) continue;
-    if (face >= o.face_count) throw Error("--svg: object '" + o.name + "' has no face " + std::to_string(face));
+    if (face >= o.face_count)
+      throw Error("--svg: object '" + o.name + "' has no face " + std::to_string(face));
     io::View view;
     view.kind = io::View::Kind::face;
     view.face = o.first_face + face;
@@ -61,7 +64,9 @@ std::optional<io::View> face_view(std::string_view object, std::string_view numb
 Light parse_light(const std::string& spec) {
   const std::size_t colon = spec.find(':');
   const std::string kind = spec.substr(0, colon);
-  const auto numbers = colon == std::string::npos ? std::nullopt : parse_numbers(std::string_view(spec).substr(colon + 1));
+  const auto numbers = colon == std::string::npos
+                           ? std::nullopt
+                           : parse_numbers(std::string_view(spec).substr(colon + 1));
   if ((kind != "point" && kind != "sun") || !numbers || numbers->size() != 3)
     throw Error("--light: '" + spec + "' is neither point:x,y,z nor sun:dx,dy,dz");
   const Vec3 v((*numbers)[0], (*numbers)[1], (*numbers)[2]);
@@ -75,29 +80,33 @@ Light parse_light(const std::string& spec) {
 }
 
 std::string light_spec(const Light& light) {
-  return (light.kind == Light::Kind::point ? "point:" : "sun:") + number_text(light.at.x()) + "," + number_text(light.at.y()) + "," +
-         number_text(light.at.z());
+  return (light.kind == Light::Kind::point ? "point:" : "sun:") + number_text(light.at.x()) + "," +
+         number_text(light.at.y()) + "," + number_text(light.at.z());
 }
 
 io::View parse_view(const std::string& spec, const Scene& scene) {
   const std::size_t colon = spec.rfind(':');
   const std::string_view before = std::string_view(spec).substr(0, colon);
-  const std::string_view after = colon == std::string::npos ? std::string_view() : std::string_view(spec).substr(colon + 1);
+  const std::string_view after =
+      colon == std::string::npos ? std::string_view() : std::string_view(spec).substr(colon + 1);
   if (const auto view = face_view(before, after, scene)) return *view;
   const auto numbers = parse_numbers(colon == std::string::npos ? std::string_view(spec) : after);
-  if (colon == std::string::npos && numbers && (numbers->size() == 6 || numbers->size() == 7)) return camera_view(*numbers);
+  if (colon == std::string::npos && numbers && (numbers->size() == 6 || numbers->size() == 7))
+    return camera_view(*numbers);
   io::View plan;
   if (spec == "plan") return plan;
   if (before == "plan" && numbers && numbers->size() == 1) {
     plan.cut = numbers->front();
     return plan;
   }
-  throw Error("--svg: '" + spec + "' is none of plan, plan:HEIGHT, OBJECT:FACE of this scene, ex,ey,ez,tx,ty,tz[,fov]");
+  throw Error("--svg: '" + spec +
+              "' is none of plan, plan:HEIGHT, OBJECT:FACE of this scene, ex,ey,ez,tx,ty,tz[,fov]");
 }
 
 io::View parse_camera(const std::string& spec) {
   const auto numbers = parse_numbers(spec);
-  if (!numbers || (numbers->size() != 6 && numbers->size() != 7)) throw Error("--camera: '" + spec + "' is not ex,ey,ez,tx,ty,tz[,fov]");
+  if (!numbers || (numbers->size() != 6 && numbers->size() != 7))
+    throw Error("--camera: '" + spec + "' is not ex,ey,ez,tx,ty,tz[,fov]");
   return camera_view(*numbers);
 }
 
@@ -112,7 +121,8 @@ std::pair<int, int> parse_size(const std::string& spec) {
   return {width, height};
 }
 
-std::vector<double> parse_numbers_of(const std::string& option, const std::string& text, const std::string& form) {
+std::vector<double> parse_numbers_of(const std::string& option, const std::string& text,
+                                     const std::string& form) {
   const auto numbers = parse_numbers(text);
   const auto count = static_cast<std::size_t>(std::count(form.begin(), form.end(), ',')) + 1;
   if (!numbers || numbers->size() != count) throw Error(option + ": '" + text + "' is not " + form);
@@ -129,17 +139,22 @@ double parse_share(const std::string& option, const std::string& text) {
 MinFeature parse_min_feature(const std::string& text) {
   MinFeature out;
   const bool is_angle = text.size() > 2 && text.ends_with("sr");
-  const auto numbers = parse_numbers(std::string_view(text).substr(0, text.size() - (is_angle ? 2 : 0)));
+  const auto numbers =
+      parse_numbers(std::string_view(text).substr(0, text.size() - (is_angle ? 2 : 0)));
   if (!numbers || numbers->size() != 1 || numbers->front() < 0)
-    throw Error("--min-feature: '" + text + "' is neither an area nor a solid angle such as 1e-6sr");
+    throw Error("--min-feature: '" + text +
+                "' is neither an area nor a solid angle such as 1e-6sr");
   (is_angle ? out.solid_angle : out.area) = numbers->front();
   return out;
 }
 
-Vec3 parse_axis(const std::string& name) { return name == "x" ? Vec3::UnitX() : name == "y" ? Vec3::UnitY() : Vec3::UnitZ(); }
+Vec3 parse_axis(const std::string& name) {
+  return name == "x" ? Vec3::UnitX() : name == "y" ? Vec3::UnitY() : Vec3::UnitZ();
+}
 
 const std::map<std::string, Kernel>& kernels() {
-  static const std::map<std::string, Kernel> all{{"fast", Kernel::fast}, {"exact", Kernel::exact}, {"single", Kernel::single}};
+  static const std::map<std::string, Kernel> all{
+      {"fast", Kernel::fast}, {"exact", Kernel::exact}, {"single", Kernel::single}};
   return all;
 }
 

@@ -1,4 +1,5 @@
-// What the program's arguments say in small languages of their own: lights, drawings, and some numbers.
+// What the program's arguments say in small languages of their own: lights, drawings, and some
+// numbers.
 #pragma once
 
 #include <map>
@@ -29,7 +30,8 @@ const std::map<std::string, Kernel>& kernels();
 const char* kernel_name(Kernel kernel);
 
 // As many finite numbers with commas between as `form` has names.
-std::vector<double> parse_numbers_of(const std::string& option, const std::string& text, const std::string& form);
+std::vector<double> parse_numbers_of(const std::string& option, const std::string& text,
+                                     const std::string& form);
 
 // A number from 0 to 1.
 double parse_share(const std::string& option, const std::string& text);

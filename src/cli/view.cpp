@@ -14,8 +14,9 @@ namespace shadowcut::cli {
 
 namespace {
 
-// Made by rule, so that the program needs no file: a lamp inside, and one before the door. A depth buffer cannot tell faces in one plane
-// apart, so what lies in another face's plane comes three millimetres out of it.
+// Made by rule, so that the program needs no file: a lamp inside, and one before the door. A depth
+// buffer cannot tell faces in one plane apart, so what lies in another face's plane comes three
+// millimetres out of it.
 Scene furnished_room() {
   scenes::SceneData data = scenes::furnished_room();
   for (auto& [mesh, settings] : data.objects) {
@@ -27,7 +28,8 @@ Scene furnished_room() {
   return scene;
 }
 
-const render::Camera before_the_door{{0.5, 5.9, 1.75}, {5.4, 2.2, 0.55}, 75 * std::numbers::pi / 180};
+const render::Camera before_the_door{
+    {0.5, 5.9, 1.75}, {5.4, 2.2, 0.55}, 75 * std::numbers::pi / 180};
 
 }  // namespace
 
@@ -43,13 +45,15 @@ void view_scene(const ViewArguments& a) {
     render::check(settings.camera);
   }
   Scene scene = a.scene.empty() ? furnished_room() : read({a.scene, a.reading, false, a.quiet});
-  settings.scene_name = a.scene.empty() ? "furnished room" : std::filesystem::path(a.scene).filename().string();
+  settings.scene_name =
+      a.scene.empty() ? "furnished room" : std::filesystem::path(a.scene).filename().string();
   if (given.empty() && scene.lights().empty()) {
     scene.add(view::light_for(scene));
     settings.note = "the scene has no light of its own: a lamp was put above its middle";
   }
   if (!given.empty()) set_lights(scene, given, a.scene);
-  if (a.camera.empty()) settings.camera = a.scene.empty() ? before_the_door : view::first_camera(scene);
+  if (a.camera.empty())
+    settings.camera = a.scene.empty() ? before_the_door : view::first_camera(scene);
   view::walk_through(std::move(scene), settings);
 }
 

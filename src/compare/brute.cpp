@@ -1,9 +1,10 @@
-// Brute force: every polygon against the shadow volume of every polygon before it. M. Slater, "A comparison of three shadow volume
-// algorithms", 1992, section 3 (definition 3.1).
+// Brute force: every polygon against the shadow volume of every polygon before it. M. Slater, "A
+// comparison of three shadow volume algorithms", 1992, section 3 (definition 3.1).
 //
-// Departures. Slater paints overlapping shadows over the polygon; here each volume is cut from what is still lit, so that the parts do not
-// overlap and have areas (his section 8 suggests as much). A polygon gets no volume if nothing of it is lit, where his must lie in a single
-// one; and its volume takes the place of those that lie in it and cut it.
+// Departures. Slater paints overlapping shadows over the polygon; here each volume is cut from what
+// is still lit, so that the parts do not overlap and have areas (his section 8 suggests as much). A
+// polygon gets no volume if nothing of it is lit, where his must lie in a single one; and its
+// volume takes the place of those that lie in it and cut it.
 #include <algorithm>
 
 #include "shadow_volumes.hpp"
@@ -14,19 +15,25 @@ namespace {
 // Whether a single plane has the polygon outside; most pairs end here.
 bool parted(const Volume& volume, const Polygon& polygon, double tolerance) {
   return volume.empty() || std::any_of(volume.begin(), volume.end(), [&](const HalfSpace& plane) {
-           return std::none_of(polygon.corners.begin(), polygon.corners.end(),
-                               [&](const PolygonCorner& c) { return plane.above(c.at) > tolerance; });
+           return std::none_of(
+               polygon.corners.begin(), polygon.corners.end(),
+               [&](const PolygonCorner& c) { return plane.above(c.at) > tolerance; });
          });
 }
 
-// Leaves the part inside all planes, if any; the parts outside go to `outside`, if that is asked for.
-bool inside(const Volume& volume, double tolerance, Polygon& polygon, std::vector<Polygon>* outside) {
-  return std::all_of(volume.begin(), volume.end(), [&](const HalfSpace& plane) { return keep_front(polygon, plane, tolerance, outside); });
+// Leaves the part inside all planes, if any; the parts outside go to `outside`, if that is asked
+// for.
+bool inside(const Volume& volume, double tolerance, Polygon& polygon,
+            std::vector<Polygon>* outside) {
+  return std::all_of(volume.begin(), volume.end(), [&](const HalfSpace& plane) {
+    return keep_front(polygon, plane, tolerance, outside);
+  });
 }
 
 class Brute : public ShadowVolumes {
  public:
-  Brute(const Lighting& lighting, const Settings& settings) : lighting_(lighting), counts_(settings.count_shadow_polygons) {}
+  Brute(const Lighting& lighting, const Settings& settings)
+      : lighting_(lighting), counts_(settings.count_shadow_polygons) {}
 
   void cut(const Polygon& polygon, std::vector<Fragment>& parts) override {
     const std::size_t first = parts.size();
@@ -57,7 +64,8 @@ class Brute : public ShadowVolumes {
   // Of the volumes that cut the polygon (others cannot lie in its shadow).
   void discard_those_in(const Volume& volume) {
     for (auto i = cutting_.rbegin(); i != cutting_.rend(); ++i) {
-      if (contains(volume, volumes_[*i].polygon, lighting_.tolerance())) volumes_.erase(volumes_.begin() + static_cast<std::ptrdiff_t>(*i));
+      if (contains(volume, volumes_[*i].polygon, lighting_.tolerance()))
+        volumes_.erase(volumes_.begin() + static_cast<std::ptrdiff_t>(*i));
     }
     cutting_.clear();
   }
@@ -70,7 +78,8 @@ class Brute : public ShadowVolumes {
 
 }  // namespace
 
-bool subtract(const Volume& volume, double tolerance, std::vector<Fragment>& parts, std::size_t first) {
+bool subtract(const Volume& volume, double tolerance, std::vector<Fragment>& parts,
+              std::size_t first) {
   bool reached = false;
   std::vector<Polygon> outside;
   for (std::size_t i = first, end = parts.size(); i < end; ++i) {

@@ -1,4 +1,5 @@
-// See compare.hpp. Here: the engine as one of the algorithms, on a scene's own faces or on its BSP's polygons.
+// See compare.hpp. Here: the engine as one of the algorithms, on a scene's own faces or on its
+// BSP's polygons.
 #include "compare.hpp"
 
 #include <algorithm>
@@ -10,7 +11,8 @@
 namespace shadowcut::compare {
 namespace {
 
-// The scene with the BSP's polygons for faces, object by object, and the facet that each was cut from.
+// The scene with the BSP's polygons for faces, object by object, and the facet that each was cut
+// from.
 struct CutScene {
   Scene scene;
   std::vector<std::uint32_t> facet_of;  // by face
@@ -34,7 +36,8 @@ CutScene cut_by_bsp(const Scene& scene, std::uint32_t candidates) {
   CutScene cut;
   for (std::size_t o = 0; o < meshes.size(); ++o) {
     const Object& object = scene.objects()[o];
-    cut.scene.add(meshes[o], {object.name, Pose::Identity(), object.sides, object.casts, object.receives, object.moves});
+    cut.scene.add(meshes[o], {object.name, Pose::Identity(), object.sides, object.casts,
+                              object.receives, object.moves});
     cut.facet_of.insert(cut.facet_of.end(), facets[o].begin(), facets[o].end());
   }
   return cut;
@@ -43,7 +46,8 @@ CutScene cut_by_bsp(const Scene& scene, std::uint32_t candidates) {
 Polygon polygon_of(const Block& block, const shadowcut::Fragment& fragment) {
   Polygon polygon;
   polygon.facet = fragment.facet;
-  for (const Vec3& corner : block.corners_of(fragment)) polygon.corners.push_back({corner, {Carrier::Kind::shadow_plane, 0}});
+  for (const Vec3& corner : block.corners_of(fragment))
+    polygon.corners.push_back({corner, {Carrier::Kind::shadow_plane, 0}});
   return polygon;
 }
 
@@ -52,23 +56,27 @@ void hand_out(const Shadows& shadows, Result& result) {
   result.areas = shadows.areas;
   for (const Block& block : shadows.blocks)
     for (const shadowcut::Fragment& f : block.fragments)
-      if (shadows.areas[f.face].facing == Facing::toward) result.fragments.push_back({polygon_of(block, f), f.lit});
+      if (shadows.areas[f.face].facing == Facing::toward)
+        result.fragments.push_back({polygon_of(block, f), f.lit});
 }
 
 // The same in terms of the scene that was cut.
 void hand_back(const Scene& scene, const CutScene& cut, const Light& light, Result& result) {
   const Lighting lighting(scene, light);
   std::vector<FaceArea> areas(scene.faces().size());
-  for (std::uint32_t f = 0; f < areas.size(); ++f) areas[f] = {lighting.facing(f), scene.faces()[f].area, 0, 0, 0};
+  for (std::uint32_t f = 0; f < areas.size(); ++f)
+    areas[f] = {lighting.facing(f), scene.faces()[f].area, 0, 0, 0};
   for (std::uint32_t f = 0; f < result.areas.size(); ++f) {
     FaceArea& area = areas[scene.facets()[cut.facet_of[f]].face];
     area.lit += result.areas[f].lit, area.shadowed += result.areas[f].shadowed;
   }
   result.areas = std::move(areas);
-  for (Fragment& f : result.fragments) f.polygon.facet = cut.facet_of[cut.scene.facets()[f.polygon.facet].face];
+  for (Fragment& f : result.fragments)
+    f.polygon.facet = cut.facet_of[cut.scene.facets()[f.polygon.facet].face];
 }
 
-std::vector<Result> cast_unordered(const Scene& scene, std::span<const Light> lights, const Settings& settings) {
+std::vector<Result> cast_unordered(const Scene& scene, std::span<const Light> lights,
+                                   const Settings& settings) {
   Options options;
   options.kernel = settings.kernel;
   options.form = settings.reunite ? Form::merged : Form::pieces;
@@ -95,13 +103,17 @@ std::vector<Result> cast_unordered(const Scene& scene, std::span<const Light> li
 
 }  // namespace
 
-std::vector<Result> cast(const Scene& scene, std::span<const Light> lights, Algorithm algorithm, const Settings& settings) {
-  std::vector<Result> results =
-      algorithm == Algorithm::unordered ? cast_unordered(scene, lights, settings) : cast_front_to_back(scene, lights, algorithm, settings);
+std::vector<Result> cast(const Scene& scene, std::span<const Light> lights, Algorithm algorithm,
+                         const Settings& settings) {
+  std::vector<Result> results = algorithm == Algorithm::unordered
+                                    ? cast_unordered(scene, lights, settings)
+                                    : cast_front_to_back(scene, lights, algorithm, settings);
   for (Result& result : results) {
     result.faces_in = static_cast<std::uint64_t>(
-        std::count_if(scene.faces().begin(), scene.faces().end(), [](const Face& face) { return face.facet_count > 0; }));
-    for (const Fragment& f : result.fragments) ++(f.lit ? result.lit_fragments : result.shadowed_fragments);
+        std::count_if(scene.faces().begin(), scene.faces().end(),
+                      [](const Face& face) { return face.facet_count > 0; }));
+    for (const Fragment& f : result.fragments)
+      ++(f.lit ? result.lit_fragments : result.shadowed_fragments);
     for (const FaceArea& area : result.areas) {
       if (area.facing != Facing::toward) continue;
       result.lit_area += area.lit, result.shadowed_area += area.shadowed;

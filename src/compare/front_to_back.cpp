@@ -9,9 +9,11 @@
 namespace shadowcut::compare {
 namespace {
 
-std::unique_ptr<ShadowVolumes> make_volumes(Algorithm algorithm, const Lighting& lighting, const Settings& settings) {
+std::unique_ptr<ShadowVolumes> make_volumes(Algorithm algorithm, const Lighting& lighting,
+                                            const Settings& settings) {
   if (algorithm == Algorithm::brute) return make_brute(lighting, settings);
-  return algorithm == Algorithm::tiling ? make_tiling(lighting, settings) : make_ordered(lighting, settings);
+  return algorithm == Algorithm::tiling ? make_tiling(lighting, settings)
+                                        : make_ordered(lighting, settings);
 }
 
 // Slater's two passes for one light after another.
@@ -23,7 +25,8 @@ class FrontToBack {
         settings_(settings),
         bsp_(scene, settings.candidates, tolerance_of(scene)),
         parts_(bsp_.polygons().size()) {
-    for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].push_back({bsp_.polygons()[i], false});
+    for (std::size_t i = 0; i < parts_.size(); ++i)
+      parts_[i].push_back({bsp_.polygons()[i], false});
   }
 
   Result cast(const Light& light) {
@@ -35,7 +38,9 @@ class FrontToBack {
     start = Clock::now();
     const auto volumes = make_volumes(algorithm_, lighting, settings_);
     for (std::size_t i = 0; i + 1 < node_ends_.size(); ++i)
-      cast_node(std::span<const std::uint32_t>(order_).subspan(node_ends_[i], node_ends_[i + 1] - node_ends_[i]), lighting, *volumes);
+      cast_node(std::span<const std::uint32_t>(order_).subspan(node_ends_[i],
+                                                               node_ends_[i + 1] - node_ends_[i]),
+                lighting, *volumes);
     result.shadow_ms = ms_since(start);
     result.faces_after_bsp = parts_.size();
     result.shadow_polygons = volumes->shadow_polygons();
@@ -53,16 +58,19 @@ class FrontToBack {
                        [&](std::span<const std::uint32_t> node) {
                          for (const std::uint32_t i : node) {
                            const std::uint32_t facet = bsp_.polygons()[i].facet;
-                           if (lighting.receives(facet) || lighting.casts(facet)) order_.push_back(i);
+                           if (lighting.receives(facet) || lighting.casts(facet))
+                             order_.push_back(i);
                          }
                          if (order_.size() > node_ends_.back()) node_ends_.push_back(order_.size());
                        });
   }
 
   // Polygons of one plane: all are cut before any casts.
-  void cast_node(std::span<const std::uint32_t> node, const Lighting& lighting, ShadowVolumes& volumes) {
+  void cast_node(std::span<const std::uint32_t> node, const Lighting& lighting,
+                 ShadowVolumes& volumes) {
     const Polygon& first = bsp_.polygons()[node.front()];
-    if (node.size() == 1 && first_light_ && lighting.receives(first.facet) && lighting.casts(first.facet)) {
+    if (node.size() == 1 && first_light_ && lighting.receives(first.facet) &&
+        lighting.casts(first.facet)) {
       parts_[node.front()].clear();
       volumes.cut_and_add(first, parts_[node.front()]);
       return;
@@ -73,7 +81,8 @@ class FrontToBack {
       const Polygon& polygon = bsp_.polygons()[i];
       if (!lighting.casts(polygon.facet)) continue;
       const bool hidden =
-          lighting.receives(polygon.facet) && std::none_of(parts_[i].begin(), parts_[i].end(), [](const Fragment& f) { return f.lit; });
+          lighting.receives(polygon.facet) &&
+          std::none_of(parts_[i].begin(), parts_[i].end(), [](const Fragment& f) { return f.lit; });
       volumes.add(polygon, !hidden);
     }
   }
@@ -88,7 +97,8 @@ class FrontToBack {
     result.areas.resize(scene_.faces().size());
     for (std::uint32_t f = 0; f < scene_.faces().size(); ++f) {
       const double area = scene_.faces()[f].area;
-      const bool whole = lighting.facing(f) == Facing::away || lighting.facing(f) == Facing::out_of_reach;
+      const bool whole =
+          lighting.facing(f) == Facing::away || lighting.facing(f) == Facing::out_of_reach;
       result.areas[f] = {lighting.facing(f), area, 0, whole ? area : 0, 0};
     }
     for (const std::vector<Fragment>& parts : parts_) {
@@ -111,7 +121,8 @@ class FrontToBack {
   const Algorithm algorithm_;
   const Settings settings_;
   SceneBsp bsp_;
-  std::vector<std::vector<Fragment>> parts_;  // by polygon of the tree: what the lights so far have cut it into
+  // by polygon of the tree: what the lights so far have cut it into
+  std::vector<std::vector<Fragment>> parts_;
   std::vector<Fragment> before_;
   bool first_light_ = true;
   std::vector<std::uint32_t> order_;
@@ -120,7 +131,8 @@ class FrontToBack {
 
 }  // namespace
 
-std::vector<Result> cast_front_to_back(const Scene& scene, std::span<const Light> lights, Algorithm algorithm, const Settings& settings) {
+std::vector<Result> cast_front_to_back(const Scene& scene, std::span<const Light> lights,
+                                       Algorithm algorithm, const Settings& settings) {
   const Clock::time_point start = Clock::now();
   FrontToBack two_passes(scene, algorithm, settings);
   const double bsp_ms = ms_since(start);

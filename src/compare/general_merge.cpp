@@ -1,17 +1,23 @@
-// Merging of BSP trees: B. Naylor, J. Amanatides, W. Thibault, "Merging BSP trees yields polyhedral set operations", SIGGRAPH 1990 (NAT90).
+// Merging of BSP trees: B. Naylor, J. Amanatides, W. Thibault, "Merging BSP trees yields polyhedral
+// set operations", SIGGRAPH 1990 (NAT90).
 //
-// Two trees over one region become one. The first one's root stays the root. The other tree is *partitioned* by the part of its plane that
-// lies in the region (the bounded sub-hyperplane): at each node the two parts are compared, and either both subtrees go down both sides
-// (they cross), or one subtree goes whole to one side. Then the children are merged with what fell to their sides, until one of two trees
-// is a single cell. Here every plane of an SP-node contains the light: a region is a convex cone, and the bounded part of a plane an arc of
-// a great circle. So what NAT90 do in space with polygons is done on the sphere with arcs.
+// Two trees over one region become one. The first one's root stays the root. The other tree is
+// *partitioned* by the part of its plane that lies in the region (the bounded sub-hyperplane): at
+// each node the two parts are compared, and either both subtrees go down both sides (they cross),
+// or one subtree goes whole to one side. Then the children are merged with what fell to their
+// sides, until one of two trees is a single cell. Here every plane of an SP-node contains the
+// light: a region is a convex cone, and the bounded part of a plane an arc of a great circle. So
+// what NAT90 do in space with polygons is done on the sphere with arcs.
 //
-// At a PP-node the other tree is partitioned by the face's plane: along every ray of the region, so its SP-nodes are all on both sides.
-// What is behind has no tree, only a list: the polygons of the other tree that are behind, with what they hide, join the list.
+// At a PP-node the other tree is partitioned by the face's plane: along every ray of the region, so
+// its SP-nodes are all on both sides. What is behind has no tree, only a list: the polygons of the
+// other tree that are behind, with what they hide, join the list.
 //
-// Departures, all because the result is an SVBSP tree: an SP-node that bounds the shadow volume of a polygon still inside stays, though it
-// may not reach into the region; a polygon that meets a piece of itself is absorbed by it; an SP-node whose polygon is not inside any more
-// goes if one of its sides is OUT, and otherwise stays as a marked, dividing plane (CS95, section 4). Nothing recurses.
+// Departures, all because the result is an SVBSP tree: an SP-node that bounds the shadow volume of
+// a polygon still inside stays, though it may not reach into the region; a polygon that meets a
+// piece of itself is absorbed by it; an SP-node whose polygon is not inside any more goes if one of
+// its sides is OUT, and otherwise stays as a marked, dividing plane (CS95, section 4). Nothing
+// recurses.
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +57,9 @@ int side_of(const Arc& arc, const Vec3& m) {
   return farthest < 0 ? -1 : 1;
 }
 
-Arc arc_between(const Vec3& from, const Vec3& to) { return {Extent::part, from, to, (from + to).normalized()}; }
+Arc arc_between(const Vec3& from, const Vec3& to) {
+  return {Extent::part, from, to, (from + to).normalized()};
+}
 
 // The two parts of an arc that is on both sides of m.
 void split(const Arc& arc, const Vec3& n, const Vec3& m, Arc& positive, Arc& negative) {
@@ -68,7 +76,8 @@ void split(const Arc& arc, const Vec3& n, const Vec3& m, Arc& positive, Arc& neg
   negative = ahead ? arc_between(at, arc.to) : arc_between(arc.from, at);
 }
 
-// A convex cone with the light as its apex: the planes that bound it, and where. Nothing bounds the whole of light space.
+// A convex cone with the light as its apex: the planes that bound it, and where. Nothing bounds the
+// whole of light space.
 class Region {
  public:
   // The part of a plane that lies within; none if it only touches.
@@ -136,7 +145,8 @@ class Merger {
     for (std::uint32_t up = place; !Svbsp::is_top(up); up = tree_.nodes[up >> 1].parent) {
       const Node& node = tree_.nodes[up >> 1];
       if (node.kind != Node::Kind::sp) continue;
-      if (const Arc arc = region.part_of(node.n); arc.extent != Extent::none) region = region.cut(up & 1 ? Vec3(-node.n) : node.n, arc);
+      if (const Arc arc = region.part_of(node.n); arc.extent != Extent::none)
+        region = region.cut(up & 1 ? Vec3(-node.n) : node.n, arc);
     }
     tree_.put(other_place, other);
     bound(region);
@@ -154,9 +164,10 @@ class Merger {
     std::uint32_t place, other;  // a branch; a subtree that is to be merged into it
     Region region;
   };
-  // Where a tree that is being partitioned is held, and the two parts that come of it; and, so that one may be within the other, of what
-  // is in front of a crossing polygon.
-  static constexpr std::uint32_t other_place = Svbsp::held_place, positive_place = other_place + 1, negative_place = other_place + 2;
+  // Where a tree that is being partitioned is held, and the two parts that come of it; and, so that
+  // one may be within the other, of what is in front of a crossing polygon.
+  static constexpr std::uint32_t other_place = Svbsp::held_place, positive_place = other_place + 1,
+                                 negative_place = other_place + 2;
 
   Arc& arc(std::uint32_t node) {
     if (tree_.arcs.size() <= node) tree_.arcs.resize(2 * node + 1);
@@ -226,7 +237,8 @@ class Merger {
     return tree_.add_pp(node.surface);
   }
 
-  // Divides the tree at other_place by the plane m, which lies in its region as an arc: into positive_place and negative_place.
+  // Divides the tree at other_place by the plane m, which lies in its region as an arc: into
+  // positive_place and negative_place.
   void partition(const Vec3& m, const Arc& by) {
     struct Step {
       std::uint32_t at;
@@ -240,7 +252,8 @@ class Merger {
       rest.pop_back();
       if (step.at == none) continue;
       ++tree_.counts.partitions;
-      // The node itself goes on on the positive side, a copy on the negative one; clean_up() sees which are needed.
+      // The node itself goes on on the positive side, a copy on the negative one; clean_up() sees
+      // which are needed.
       const std::uint32_t at = step.at, twin = copy_of(at);
       const std::uint32_t below[2] = {tree_.nodes[at].child[0], tree_.nodes[at].child[1]};
       tree_.nodes[at].child[0] = tree_.nodes[at].child[1] = none;
@@ -259,7 +272,9 @@ class Merger {
         continue;
       }
       const ArcSides mine = sides_of(own, n, m), theirs = sides_of(step.by, m, n);
-      const auto go_whole = [&](std::uint32_t child, bool positive) { tree_.put((positive ? at : twin) * 2 + child, below[child]); };
+      const auto go_whole = [&](std::uint32_t child, bool positive) {
+        tree_.put((positive ? at : twin) * 2 + child, below[child]);
+      };
       if (mine.on() && theirs.on()) {  // one plane
         const bool along = n.dot(m) > 0;
         go_whole(0, along), go_whole(1, !along);
@@ -272,8 +287,8 @@ class Merger {
         rest.push_back({below[1], outside, {at * 2 + 1, twin * 2 + 1}});
         rest.push_back({below[0], inside, {at * 2, twin * 2}});
       } else {
-        // Of two that touch and are nearly parallel, the longer one says on which side of the other it lies; what lies between them and
-        // beyond follows from their directions.
+        // Of two that touch and are nearly parallel, the longer one says on which side of the other
+        // it lies; what lies between them and beyond follows from their directions.
         std::uint32_t reached = side_of(step.by, n) > 0 ? 0 : 1;
         const bool positive = mine.on() ? (n.dot(m) > 0) == (reached == 1) : side_of(own, m) > 0;
         if (theirs.on()) reached = (n.dot(m) > 0) == positive ? 1 : 0;
@@ -285,7 +300,9 @@ class Merger {
     clean_up(made);
   }
 
-  void set_arcs(std::uint32_t at, std::uint32_t twin, const Arc& a, const Arc& b) { arc(at) = a, arc(twin) = b; }
+  void set_arcs(std::uint32_t at, std::uint32_t twin, const Arc& a, const Arc& b) {
+    arc(at) = a, arc(twin) = b;
+  }
 
   // The list of a PP-node that m divides: to each part what may be on its side.
   void divide_list(std::uint32_t positive, std::uint32_t negative, const Vec3& m) {
@@ -298,18 +315,23 @@ class Merger {
     }
   }
 
-  // SP-nodes just made or looked at, the upper ones first: finds the owner of each. What has none and does not divide its region goes. What
-  // would leave a larger region to what is below it waits until there is no more need of the arcs.
+  // SP-nodes just made or looked at, the upper ones first: finds the owner of each. What has none
+  // and does not divide its region goes. What would leave a larger region to what is below it waits
+  // until there is no more need of the arcs.
   void clean_up(const std::vector<std::uint32_t>& made) {
     for (auto at = made.rbegin(); at != made.rend(); ++at) {
       const Node& node = tree_.nodes[*at];
       if (node.kind != Node::Kind::sp) continue;
       const std::uint32_t inner = node.child[0];
-      const bool bounds = inner != none && tree_.nodes[inner].surface == node.surface &&
-                          (tree_.nodes[inner].kind == Node::Kind::pp || tree_.nodes[inner].owner != none);
-      tree_.set_owner(*at, !bounds ? none : tree_.nodes[inner].kind == Node::Kind::pp ? inner : tree_.nodes[inner].owner);
+      const bool bounds =
+          inner != none && tree_.nodes[inner].surface == node.surface &&
+          (tree_.nodes[inner].kind == Node::Kind::pp || tree_.nodes[inner].owner != none);
+      tree_.set_owner(*at, !bounds                                     ? none
+                           : tree_.nodes[inner].kind == Node::Kind::pp ? inner
+                                                                       : tree_.nodes[inner].owner);
       if (bounds) continue;
-      if (arc(*at).extent == Extent::none || (inner == none && node.child[1] == none)) tree_.collapse(*at);
+      if (arc(*at).extent == Extent::none || (inner == none && node.child[1] == none))
+        tree_.collapse(*at);
       else if (inner == none || node.child[1] == none) idle_.push_back(*at);
     }
   }
@@ -326,7 +348,8 @@ class Merger {
     }
   }
 
-  // Takes out of the tree at other_place what is behind a PP-node, within whose volume it lies, or touches it; that joins its list.
+  // Takes out of the tree at other_place what is behind a PP-node, within whose volume it lies, or
+  // touches it; that joins its list.
   void partition_by_face(std::uint32_t pp) {
     const std::uint32_t face = tree_.nodes[pp].surface;
     std::vector<std::uint32_t> rest{tree_.child_at(other_place)}, seen;
@@ -354,7 +377,8 @@ class Merger {
     clean_up(seen);
   }
 
-  // A PP-node of the other tree whose polygon crosses that of pp: its relation, if here it is on one side only; or it is divided.
+  // A PP-node of the other tree whose polygon crosses that of pp: its relation, if here it is on
+  // one side only; or it is divided.
   Relation cross(std::uint32_t at, std::uint32_t pp, std::vector<std::uint32_t>& rest) {
     const std::uint32_t surface = tree_.nodes[at].surface, face = tree_.nodes[pp].surface;
     Outline outline = tree_.surfaces[surface].rays;
@@ -397,6 +421,8 @@ class Merger {
 
 }  // namespace
 
-void merge(Svbsp& tree, std::uint32_t place, std::uint32_t other) { Merger(tree).merge(place, other); }
+void merge(Svbsp& tree, std::uint32_t place, std::uint32_t other) {
+  Merger(tree).merge(place, other);
+}
 
 }  // namespace shadowcut::compare

@@ -10,7 +10,9 @@ namespace shadowcut::compare {
 
 double tolerance_of(const Scene& scene) {
   const Eigen::AlignedBox3d box = box_of(scene);
-  return box.isEmpty() ? 0 : tolerance_share * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+  return box.isEmpty()
+             ? 0
+             : tolerance_share * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
 }
 
 Lighting::Lighting(const Scene& scene, const Light& light)
@@ -40,7 +42,8 @@ Lighting::Lighting(const Scene& scene, const Light& light)
   }
 }
 
-Lighting::Role Lighting::role_of(std::uint32_t i, bool light_inside, const LightSpace& space) const {
+Lighting::Role Lighting::role_of(std::uint32_t i, bool light_inside,
+                                 const LightSpace& space) const {
   const Facet& facet = scene_.facets()[i];
   const Object& object = scene_.objects()[scene_.faces()[facet.face].object];
   const Turned turned = space.turned(scene_.planes()[facet.plane]);
@@ -50,13 +53,17 @@ Lighting::Role Lighting::role_of(std::uint32_t i, bool light_inside, const Light
 }
 
 Vec3 Lighting::travel(const Vec3& x) const {
-  return light_.kind == Light::Kind::point ? Vec3(x - light_.at) : light_.at.stableNormalized().eval();
+  return light_.kind == Light::Kind::point ? Vec3(x - light_.at)
+                                           : light_.at.stableNormalized().eval();
 }
 
-double Lighting::in_front_of(const HalfSpace& plane) const { return -plane.normal.dot(travel(plane.point)); }
+double Lighting::in_front_of(const HalfSpace& plane) const {
+  return -plane.normal.dot(travel(plane.point));
+}
 
-// The plane through the light and the line in which the polygon's plane F meets another one, P: a combination of both that vanishes at the
-// light, f(light) p(x) - p(light) f(x), with f and p the distances from the planes.
+// The plane through the light and the line in which the polygon's plane F meets another one, P: a
+// combination of both that vanishes at the light, f(light) p(x) - p(light) f(x), with f and p the
+// distances from the planes.
 Vec3 Lighting::normal_of_edge(const Polygon& polygon, std::size_t i) const {
   const Facet& facet = scene_.facets()[polygon.facet];
   const Carrier carrier = polygon.corners[i].edge;
@@ -71,7 +78,8 @@ Vec3 Lighting::normal_of_edge(const Polygon& polygon, std::size_t i) const {
   return f * other.normal - p * own.normal;
 }
 
-void Lighting::shadow_planes(const Polygon& polygon, boost::container::small_vector<HalfSpace, 8>& planes) const {
+void Lighting::shadow_planes(const Polygon& polygon,
+                             boost::container::small_vector<HalfSpace, 8>& planes) const {
   planes.clear();
   for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
     if (polygon.corners[i].edge.kind == Carrier::Kind::shadow_plane) continue;

@@ -1,11 +1,13 @@
-// The ordered shadow-volume BSP tree: N. Chin, S. Feiner, "Near real-time object-precision shadow generation using BSP trees", SIGGRAPH
-// 1989, as M. Slater has it in "A comparison of three shadow volume algorithms", 1992, section 4. Polygons come front to back; what of one
-// comes to an outside leaf is lit, and its planes of light take the leaf's place.
+// The ordered shadow-volume BSP tree: N. Chin, S. Feiner, "Near real-time object-precision shadow
+// generation using BSP trees", SIGGRAPH 1989, as M. Slater has it in "A comparison of three shadow
+// volume algorithms", 1992, section 4. Polygons come front to back; what of one comes to an outside
+// leaf is lit, and its planes of light take the leaf's place.
 //
-// Departures. Planes of light are made of the lines that a polygon's edges lie on, not of fragments' corners; an edge that a shadow plane
-// cut adds no node, as its plane stands above. Polygons in one plane are all cut before any of them is added: contact casts no shadow. With
-// Settings::reunite parts of one state are put together again on the way up (Slater's figure 6). The tree is as deep as it comes; lists
-// stand in place of recursion.
+// Departures. Planes of light are made of the lines that a polygon's edges lie on, not of
+// fragments' corners; an edge that a shadow plane cut adds no node, as its plane stands above.
+// Polygons in one plane are all cut before any of them is added: contact casts no shadow. With
+// Settings::reunite parts of one state are put together again on the way up (Slater's figure 6).
+// The tree is as deep as it comes; lists stand in place of recursion.
 #include <algorithm>
 
 #include "shadow_volumes.hpp"
@@ -15,7 +17,8 @@ namespace {
 
 class Ordered : public ShadowVolumes {
  public:
-  Ordered(const Lighting& lighting, const Settings& settings) : lighting_(lighting), reunite_(settings.reunite) {}
+  Ordered(const Lighting& lighting, const Settings& settings)
+      : lighting_(lighting), reunite_(settings.reunite) {}
 
   void cut(const Polygon& polygon, std::vector<Fragment>& parts) override {
     filter(polygon);
@@ -43,7 +46,8 @@ class Ordered : public ShadowVolumes {
     std::uint32_t child[2];  // outside, inside
   };
   enum class State : std::uint8_t { divided, lit, shadowed };
-  // A part of the polygon being filtered. Where it is divided its two parts follow one another, later in the list.
+  // A part of the polygon being filtered. Where it is divided its two parts follow one another,
+  // later in the list.
   struct Part {
     Polygon polygon;
     std::uint32_t node;   // where it is; of a lit one: whose
@@ -52,7 +56,9 @@ class Ordered : public ShadowVolumes {
     State state;
   };
 
-  std::uint32_t& child(std::uint32_t node, std::uint32_t side) { return node == none ? root_ : nodes_[node].child[side]; }
+  std::uint32_t& child(std::uint32_t node, std::uint32_t side) {
+    return node == none ? root_ : nodes_[node].child[side];
+  }
 
   void filter(const Polygon& polygon) {
     parts_.clear();
@@ -101,7 +107,8 @@ class Ordered : public ShadowVolumes {
   void hand_out(std::vector<Fragment>& parts) {
     if (reunite_) {
       for (auto part = parts_.rbegin(); part != parts_.rend(); ++part) {
-        if (part->state == State::divided && parts_[part->parts].state == parts_[part->parts + 1].state)
+        if (part->state == State::divided &&
+            parts_[part->parts].state == parts_[part->parts + 1].state)
           part->state = parts_[part->parts].state;
       }
     }
@@ -109,7 +116,8 @@ class Ordered : public ShadowVolumes {
     while (!waiting_.empty()) {
       Part& part = parts_[waiting_.back()];
       waiting_.pop_back();
-      if (part.state != State::divided) parts.push_back({std::move(part.polygon), part.state == State::lit});
+      if (part.state != State::divided)
+        parts.push_back({std::move(part.polygon), part.state == State::lit});
       else waiting_.insert(waiting_.end(), {part.parts + 1, part.parts});
     }
   }

@@ -15,7 +15,8 @@ Polygon polygon_of(const Scene& scene, std::uint32_t facet) {
 double area_of(const Polygon& polygon) {
   Vec3 sum = Vec3::Zero();
   const Vec3& first = polygon.corners.front().at;
-  for (std::size_t i = 2; i < polygon.corners.size(); ++i) sum += (polygon.corners[i - 1].at - first).cross(polygon.corners[i].at - first);
+  for (std::size_t i = 2; i < polygon.corners.size(); ++i)
+    sum += (polygon.corners[i - 1].at - first).cross(polygon.corners[i].at - first);
   return sum.norm() / 2;
 }
 
@@ -41,8 +42,12 @@ Halves split(const Polygon& polygon, const Standing& standing, Carrier cut) {
     const PolygonCorner& corner = polygon.corners[i];
     const double here = standing.distances[i], there = standing.distances[next];
     // Where the outline comes to the plane the half that it leaves goes on along the cut.
-    if (here >= 0) halves.front.corners.push_back(here == 0 && there < 0 ? PolygonCorner{corner.at, cut} : corner);
-    if (here <= 0) halves.back.corners.push_back(here == 0 && there > 0 ? PolygonCorner{corner.at, cut} : corner);
+    if (here >= 0)
+      halves.front.corners.push_back(here == 0 && there < 0 ? PolygonCorner{corner.at, cut}
+                                                            : corner);
+    if (here <= 0)
+      halves.back.corners.push_back(here == 0 && there > 0 ? PolygonCorner{corner.at, cut}
+                                                           : corner);
     if (here * there >= 0) continue;
     const Vec3 at = corner.at + (here / (here - there)) * (polygon.corners[next].at - corner.at);
     halves.front.corners.push_back({at, here > 0 ? cut : corner.edge});
@@ -51,7 +56,8 @@ Halves split(const Polygon& polygon, const Standing& standing, Carrier cut) {
   return halves;
 }
 
-bool keep_front(Polygon& polygon, const HalfSpace& plane, double tolerance, std::vector<Polygon>* rest) {
+bool keep_front(Polygon& polygon, const HalfSpace& plane, double tolerance,
+                std::vector<Polygon>* rest) {
   const Standing standing = stand(polygon, plane, tolerance);
   if (standing.side != Side::across) return standing.side == Side::front;
   Halves halves = split(polygon, standing, {Carrier::Kind::shadow_plane, 0});
@@ -63,7 +69,8 @@ bool keep_front(Polygon& polygon, const HalfSpace& plane, double tolerance, std:
 Eigen::AlignedBox3d box_of(const Scene& scene) {
   Eigen::AlignedBox3d box;
   for (const Facet& facet : scene.facets())
-    for (const Corner& corner : scene.corners_of(facet)) box.extend(scene.vertices()[corner.vertex]);
+    for (const Corner& corner : scene.corners_of(facet))
+      box.extend(scene.vertices()[corner.vertex]);
   return box;
 }
 

@@ -1,9 +1,11 @@
-// Convex polygons in the world, and cutting them by planes: what brute force, scene BSP, ordered tree and tiling have in common, so that
-// differences in speed are not differences of polygon code (Slater 1992, section 6).
+// Convex polygons in the world, and cutting them by planes: what brute force, scene BSP, ordered
+// tree and tiling have in common, so that differences in speed are not differences of polygon code
+// (Slater 1992, section 6).
 //
-// Plain doubles. A corner within `tolerance` of a plane is on it (length units; lighting.hpp says how it is chosen), and nothing is cut
-// there. A polygon's edges remember which line they lie on: a shadow plane is made of that line and not of two corners, which after many
-// cuts may be as near to each other as their own rounding.
+// Plain doubles. A corner within `tolerance` of a plane is on it (length units; lighting.hpp says
+// how it is chosen), and nothing is cut there. A polygon's edges remember which line they lie on: a
+// shadow plane is made of that line and not of two corners, which after many cuts may be as near to
+// each other as their own rounding.
 #pragma once
 
 #include <boost/container/small_vector.hpp>
@@ -20,11 +22,13 @@ struct HalfSpace {
   double above(const Vec3& x) const { return normal.dot(x - point); }
 };
 
-// The line that an edge lies on: an edge of the facet it was cut from, where its plane meets another one, or a plane through the light.
+// The line that an edge lies on: an edge of the facet it was cut from, where its plane meets
+// another one, or a plane through the light.
 struct Carrier {
   enum class Kind : std::uint8_t { edge, plane, shadow_plane };
   Kind kind;
-  std::uint32_t index;  // edge: of the corner it starts at, among the facet's; plane: into Scene::planes()
+  // edge: of the corner it starts at, among the facet's; plane: into Scene::planes()
+  std::uint32_t index;
 };
 
 struct PolygonCorner {
@@ -55,9 +59,10 @@ struct Halves {
 };
 Halves split(const Polygon& polygon, const Standing& standing, Carrier cut);
 
-// Leaves of the polygon what is in front of a shadow plane, and hands out the rest, if that is asked for and there are two parts. False,
-// and nothing done, where none of it is in front.
-bool keep_front(Polygon& polygon, const HalfSpace& plane, double tolerance, std::vector<Polygon>* rest = nullptr);
+// Leaves of the polygon what is in front of a shadow plane, and hands out the rest, if that is
+// asked for and there are two parts. False, and nothing done, where none of it is in front.
+bool keep_front(Polygon& polygon, const HalfSpace& plane, double tolerance,
+                std::vector<Polygon>* rest = nullptr);
 
 // Of all facets.
 Eigen::AlignedBox3d box_of(const Scene& scene);

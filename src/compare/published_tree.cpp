@@ -11,10 +11,13 @@
 
 namespace shadowcut::compare {
 
-const char* name_of(Joining joining) { return joining == Joining::filter ? "filter" : joining == Joining::merge ? "merge" : "reinsert"; }
+const char* name_of(Joining joining) {
+  return joining == Joining::filter ? "filter" : joining == Joining::merge ? "merge" : "reinsert";
+}
 
 struct PublishedTree::Impl {
-  Impl(const Scene& s, const Light& l, Joining j) : scene(s), light(l), space(l, box_of(s)), joining(j) {}
+  Impl(const Scene& s, const Light& l, Joining j)
+      : scene(s), light(l), space(l, box_of(s)), joining(j) {}
 
   void insert(std::uint32_t object);
   void enter(std::uint32_t facet, bool light_inside);
@@ -47,12 +50,14 @@ void PublishedTree::Impl::enter(std::uint32_t id, bool light_inside) {
   const double inside = (turned == Turned::toward ? 1 : -1) * space.handedness();
   const auto corners = scene.corners_of(facet);
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3 &a = scene.vertices()[corners[i].vertex], &b = scene.vertices()[corners[(i + 1) % corners.size()].vertex];
+    const Vec3 &a = scene.vertices()[corners[i].vertex],
+               &b = scene.vertices()[corners[(i + 1) % corners.size()].vertex];
     const VertexRay ray = space.ray(a);
     const Line line = space.line(a, b);
     s.rays.emplace_back(Vec3(ray.r[0], ray.r[1], ray.r[2]).normalized());
     const Vec3 n = inside * Vec3(line.n[0], line.n[1], line.n[2]).normalized();
-    if (s.lines.empty() || (s.lines.back() - n).norm() > epsilon) s.lines.push_back(n);  // once for edges in one line
+    // once for edges in one line
+    if (s.lines.empty() || (s.lines.back() - n).norm() > epsilon) s.lines.push_back(n);
   }
   const PlaneRay q = space.plane(plane);
   s.q = Vec3(q.q[0], q.q[1], q.q[2]);
@@ -67,8 +72,9 @@ void PublishedTree::Impl::insert(std::uint32_t index) {
   if (facets_of.size() <= index) facets_of.resize(scene.objects().size());
   if (!facets_of[index].empty()) return;
   const Object& object = scene.objects()[index];
-  const bool light_inside =
-      object.casts && light.kind == Light::Kind::point && object.sides == Sides::closed && in_or_on_solid(scene, object, light.at);
+  const bool light_inside = object.casts && light.kind == Light::Kind::point &&
+                            object.sides == Sides::closed &&
+                            in_or_on_solid(scene, object, light.at);
   for (std::uint32_t id = object.first_facet; id < object.first_facet + object.facet_count; ++id)
     if (scene.facets()[id].corner_count != 0) enter(id, light_inside);
   for (const std::uint32_t id : facets_of[index]) {
@@ -82,7 +88,8 @@ double PublishedTree::Impl::area_of(const Outline& outline, const Vec3& q) const
   std::vector<Vec3> corners;
   for (const Vec3& r : outline) corners.push_back(space.back(r.data(), q.data()));
   Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 1; i + 1 < corners.size(); ++i) sum += (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]);
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i)
+    sum += (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]);
   return sum.norm() / 2;
 }
 
@@ -107,7 +114,8 @@ double PublishedTree::Impl::lit_area(std::uint32_t id) const {
     if (is_own || (!is_sp && !sides.positive && !sides.negative)) {  // contact is not occlusion
       rest.emplace_back(std::move(outline), at * 2);
     } else if (!sides.both()) {
-      if (is_sp || sides.side() > 0) rest.emplace_back(std::move(outline), at * 2 + (sides.side() < 0));
+      if (is_sp || sides.side() > 0)
+        rest.emplace_back(std::move(outline), at * 2 + (sides.side() < 0));
     } else {
       Outline positive, negative;
       split(outline, n, tolerance, positive, negative);
@@ -139,7 +147,8 @@ std::vector<double> PublishedTree::lit_areas() const {
   std::vector<double> areas(impl_->scene.faces().size(), 0.0);
   for (const auto& facets : impl_->facets_of)
     for (const std::uint32_t id : facets)
-      if (const Surface& s = impl_->tree.surfaces[id]; s.may_be_lit) areas[s.face] += impl_->lit_area(id);
+      if (const Surface& s = impl_->tree.surfaces[id]; s.may_be_lit)
+        areas[s.face] += impl_->lit_area(id);
   return areas;
 }
 

@@ -6,7 +6,8 @@
 
 namespace shadowcut::compare {
 
-SceneBsp::SceneBsp(const Scene& scene, std::uint32_t candidates, double tolerance) : scene_(scene), tolerance_(tolerance) {
+SceneBsp::SceneBsp(const Scene& scene, std::uint32_t candidates, double tolerance)
+    : scene_(scene), tolerance_(tolerance) {
   for (std::uint32_t i = 0; i < scene.facets().size(); ++i)
     if (scene.facets()[i].corner_count > 0) polygons_.push_back(polygon_of(scene, i));
   for (const Polygon& polygon : polygons_) balls_.push_back(ball_of(polygon));
@@ -27,7 +28,8 @@ SceneBsp::Ball SceneBsp::ball_of(const Polygon& polygon) {
 
 Side SceneBsp::side_of(std::uint32_t polygon, const HalfSpace& plane) const {
   const double distance = plane.above(balls_[polygon].centre);
-  if (std::abs(distance) > balls_[polygon].radius + 2 * tolerance_) return distance > 0 ? Side::front : Side::back;
+  if (std::abs(distance) > balls_[polygon].radius + 2 * tolerance_)
+    return distance > 0 ? Side::front : Side::back;
   return stand(polygons_[polygon], plane, tolerance_).side;
 }
 
@@ -36,7 +38,8 @@ HalfSpace SceneBsp::plane_of(std::uint32_t polygon) const {
   return {plane.normal, plane.point};
 }
 
-std::uint32_t SceneBsp::best_root(std::span<const std::uint32_t> list, std::uint32_t candidates) const {
+std::uint32_t SceneBsp::best_root(std::span<const std::uint32_t> list,
+                                  std::uint32_t candidates) const {
   const std::size_t count = std::min<std::size_t>(candidates, list.size());
   std::uint32_t best = list.front();
   std::size_t fewest = list.size();
@@ -52,11 +55,13 @@ std::uint32_t SceneBsp::best_root(std::span<const std::uint32_t> list, std::uint
 }
 
 void SceneBsp::divide(Task task, std::uint32_t candidates, std::vector<Task>& tasks) {
-  const std::uint32_t root = best_root(task.polygons, candidates), here = static_cast<std::uint32_t>(nodes_.size());
+  const std::uint32_t root = best_root(task.polygons, candidates),
+                      here = static_cast<std::uint32_t>(nodes_.size());
   const HalfSpace plane = plane_of(root);
   const Carrier cut{Carrier::Kind::plane, scene_.facets()[polygons_[root].facet].plane};
   nodes_.push_back({plane, static_cast<std::uint32_t>(in_plane_.size()), 0, none, none});
-  if (task.parent != none) (task.in_front ? nodes_[task.parent].front : nodes_[task.parent].back) = here;
+  if (task.parent != none)
+    (task.in_front ? nodes_[task.parent].front : nodes_[task.parent].back) = here;
   Task front{{}, here, true}, back{{}, here, false};
   for (const std::uint32_t i : task.polygons) {
     // The root is in its own plane, whatever its corners' roundings say.
@@ -79,8 +84,8 @@ void SceneBsp::divide(Task task, std::uint32_t candidates, std::vector<Task>& ta
 }
 
 std::size_t SceneBsp::bytes() const {
-  return polygons_.capacity() * sizeof(Polygon) + balls_.capacity() * sizeof(Ball) + nodes_.capacity() * sizeof(Node) +
-         in_plane_.capacity() * sizeof(std::uint32_t);
+  return polygons_.capacity() * sizeof(Polygon) + balls_.capacity() * sizeof(Ball) +
+         nodes_.capacity() * sizeof(Node) + in_plane_.capacity() * sizeof(std::uint32_t);
 }
 
 }  // namespace shadowcut::compare

@@ -21,7 +21,8 @@ Sides2 sides_of(const Outline& outline, const Vec3& n, double tolerance) {
   return out;
 }
 
-void split(const Outline& outline, const Vec3& n, double tolerance, Outline& positive, Outline& negative, Vec3* cut) {
+void split(const Outline& outline, const Vec3& n, double tolerance, Outline& positive,
+           Outline& negative, Vec3* cut) {
   positive.clear(), negative.clear();
   const auto meet = [&](const Vec3& r) {
     positive.push_back(r), negative.push_back(r);
@@ -123,7 +124,8 @@ void Svbsp::collapse(std::uint32_t sp) {
 
 std::uint32_t Svbsp::top_of_volume(std::uint32_t pp) const {
   std::uint32_t top = pp;
-  while (!is_top(nodes[top].parent) && nodes[nodes[top].parent >> 1].kind == Node::Kind::sp && nodes[nodes[top].parent >> 1].owner == pp)
+  while (!is_top(nodes[top].parent) && nodes[nodes[top].parent >> 1].kind == Node::Kind::sp &&
+         nodes[nodes[top].parent >> 1].owner == pp)
     top = nodes[top].parent >> 1;
   return top;
 }
@@ -158,7 +160,8 @@ void Svbsp::drop_record(std::uint32_t record) {
 }
 
 void Svbsp::copy_records(std::uint32_t from, std::uint32_t to) {
-  for (std::uint32_t r = nodes[from].first; r != none; r = records_[r].next) add_record(to, records_[r].surface);
+  for (std::uint32_t r = nodes[from].first; r != none; r = records_[r].next)
+    add_record(to, records_[r].surface);
 }
 
 // ---- what is in front of what
@@ -176,8 +179,8 @@ Relation Svbsp::relation(std::uint32_t p, std::uint32_t q) const {
   return sides.positive ? Relation::front : sides.negative ? Relation::behind : Relation::contact;
 }
 
-// Corners of a part are rounded, and the part of q's volume that the tree keeps may reach a little beyond the polygon: where they say that
-// the two cross, the polygons have the last word.
+// Corners of a part are rounded, and the part of q's volume that the tree keeps may reach a little
+// beyond the polygon: where they say that the two cross, the polygons have the last word.
 Relation Svbsp::relation(const Outline& part, std::uint32_t p, std::uint32_t q) const {
   const Sides2 sides = sides_of(part, nearer(p, q), touching(p, q));
   if (sides.both()) return relation(p, q);
@@ -188,7 +191,8 @@ bool Svbsp::bound_by_crossing(std::uint32_t pp, std::uint32_t q) {
   const std::uint32_t surface = nodes[pp].surface, other = nodes[q].surface;
   if (surface == other || relation(surface, other) != Relation::crossing) return false;
   const Vec3 n = crossing(surface, other);
-  for (std::uint32_t up = nodes[pp].parent; !is_top(up) && nodes[up >> 1].owner == pp && nodes[up >> 1].kind == Node::Kind::sp;
+  for (std::uint32_t up = nodes[pp].parent;
+       !is_top(up) && nodes[up >> 1].owner == pp && nodes[up >> 1].kind == Node::Kind::sp;
        up = nodes[up >> 1].parent) {
     if (nodes[up >> 1].n == n) return false;
   }
@@ -237,7 +241,8 @@ void Svbsp::run() {
   }
 }
 
-// CS95, section 2; and, for a volume that comes whole, 3.2: as long as its polygon is not cut, nothing in it is.
+// CS95, section 2; and, for a volume that comes whole, 3.2: as long as its polygon is not cut,
+// nothing in it is.
 void Svbsp::filter(Item& item) {
   for (;;) {
     const std::uint32_t here = child_at(item.place);
@@ -259,13 +264,15 @@ void Svbsp::filter(Item& item) {
       continue;
     }
     const std::uint32_t other = nodes[here].surface;
-    const Relation at = other == item.surface ? Relation::contact : relation(item.outline, item.surface, other);
+    const Relation at =
+        other == item.surface ? Relation::contact : relation(item.outline, item.surface, other);
     if (at == Relation::front) {
       item.place = here * 2;
       continue;
     }
     if (at != Relation::crossing) {
-      // Its own polygon's PP-node covers all of the polygon here; otherwise it is behind, or touches.
+      // Its own polygon's PP-node covers all of the polygon here; otherwise it is behind, or
+      // touches.
       add_record(here, item.surface);
       if (item.pp != none) open(item, here);
       return;
@@ -309,8 +316,9 @@ void Svbsp::settle(Item& item) {
   }
 }
 
-// Takes a volume to pieces: what is in front of its polygon, and in its list, goes on alone from where the volume is, and the polygon is an
-// item without a volume. list_to: the PP-node that gets the list instead, or none.
+// Takes a volume to pieces: what is in front of its polygon, and in its list, goes on alone from
+// where the volume is, and the polygon is an item without a volume. list_to: the PP-node that gets
+// the list instead, or none.
 void Svbsp::open(Item& item, std::uint32_t list_to) {
   const std::uint32_t pp = item.pp;
   if (list_to == none) {
@@ -336,8 +344,10 @@ void Svbsp::open(Item& item, std::uint32_t list_to) {
   item.cuts.clear();
 }
 
-// What is in a PP-node's list, to be inserted at a place. planes: positive where the PP-node's volume is. cell: a place that bounds it too.
-void Svbsp::list_of(std::uint32_t pp, const std::vector<Vec3>& planes, std::uint32_t place, std::uint32_t cell, std::vector<Item>& items) {
+// What is in a PP-node's list, to be inserted at a place. planes: positive where the PP-node's
+// volume is. cell: a place that bounds it too.
+void Svbsp::list_of(std::uint32_t pp, const std::vector<Vec3>& planes, std::uint32_t place,
+                    std::uint32_t cell, std::vector<Item>& items) {
   while (nodes[pp].first != none) {
     const std::uint32_t surface = records_[nodes[pp].first].surface;
     drop_record(nodes[pp].first);
@@ -351,15 +361,16 @@ void Svbsp::list_of(std::uint32_t pp, const std::vector<Vec3>& planes, std::uint
 
 // ---- removal
 
-// The shadow volumes of some subtrees that are in front of nothing within them, each with its polygon as it lies there; the upper ones
-// last, since what is added last goes first.
+// The shadow volumes of some subtrees that are in front of nothing within them, each with its
+// polygon as it lies there; the upper ones last, since what is added last goes first.
 void Svbsp::collect(std::vector<std::uint32_t> roots, std::vector<Item>& volumes) const {
   while (!roots.empty()) {
     const std::uint32_t root = roots.back();
     roots.pop_back();
     if (root == none) continue;
     std::uint32_t node = root;
-    for (; nodes[node].kind == Node::Kind::sp; node = nodes[node].child[0]) roots.push_back(nodes[node].child[1]);
+    for (; nodes[node].kind == Node::Kind::sp; node = nodes[node].child[0])
+      roots.push_back(nodes[node].child[1]);
     Item volume{nodes[node].surface, surfaces[nodes[node].surface].rays, none, node};
     clip_to(volume.outline, nodes[node].parent, &volume.cuts);
     volumes.push_back(std::move(volume));
@@ -372,12 +383,14 @@ void Svbsp::detach(const std::vector<Item>& volumes) {
   for (const Item& v : volumes) {
     const std::uint32_t top = top_of_volume(v.pp);
     nodes[top].parent = held(0);
-    for (std::uint32_t node = top; node != v.pp; node = nodes[node].child[0]) nodes[node].child[1] = none;
+    for (std::uint32_t node = top; node != v.pp; node = nodes[node].child[0])
+      nodes[node].child[1] = none;
   }
 }
 
 // Leaves nothing of a subtree but its polygons, the upper ones last.
-void Svbsp::take_apart(std::uint32_t root, std::uint32_t place, std::vector<Item>& polygons, std::vector<Item>& lists) {
+void Svbsp::take_apart(std::uint32_t root, std::uint32_t place, std::vector<Item>& polygons,
+                       std::vector<Item>& lists) {
   std::vector<std::uint32_t> rest{root}, pps;
   while (!rest.empty()) {
     const std::uint32_t node = rest.back();
@@ -419,10 +432,13 @@ void Svbsp::keep_largest(std::vector<std::uint32_t>& roots) const {
 void Svbsp::remove(std::span<const std::uint32_t> facets, Joining joining) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pps;  // depth of its volume, node
   for (const std::uint32_t facet : facets) {
-    while (!surfaces[facet].records.empty()) drop_record(surfaces[facet].records.back());  // CS95, 3.1, case (a)
+    // CS95, 3.1, case (a)
+    while (!surfaces[facet].records.empty()) drop_record(surfaces[facet].records.back());
     for (const std::uint32_t pp : surfaces[facet].pps) {
       std::uint32_t depth = 0;
-      for (std::uint32_t up = nodes[top_of_volume(pp)].parent; !is_top(up); up = nodes[up >> 1].parent) ++depth;
+      for (std::uint32_t up = nodes[top_of_volume(pp)].parent; !is_top(up);
+           up = nodes[up >> 1].parent)
+        ++depth;
       pps.emplace_back(depth, pp);
     }
   }
@@ -448,7 +464,8 @@ void Svbsp::take_out(std::uint32_t pp, Joining joining) {
   if (joining == Joining::filter) detach(polygons);
   if (joining == Joining::reinsert)
     for (const std::uint32_t root : smaller) take_apart(root, place, polygons, lists);
-  for (std::uint32_t node = top, inner; node != pp; node = inner) inner = nodes[node].child[0], release(node);
+  for (std::uint32_t node = top, inner; node != pp; node = inner)
+    inner = nodes[node].child[0], release(node);
   release(pp);
   put(place, roots.empty() ? none : roots[0]);
 
@@ -463,7 +480,8 @@ void Svbsp::take_out(std::uint32_t pp, Joining joining) {
   run();
   for (std::uint32_t up = place; !is_top(up);) {
     const std::uint32_t node = up >> 1;
-    if (nodes[node].kind != Node::Kind::sp || nodes[node].owner != none || (nodes[node].child[0] != none && nodes[node].child[1] != none))
+    if (nodes[node].kind != Node::Kind::sp || nodes[node].owner != none ||
+        (nodes[node].child[0] != none && nodes[node].child[1] != none))
       break;
     up = nodes[node].parent;
     collapse(node);
@@ -486,11 +504,13 @@ std::string Svbsp::validate() const {
     if (node.kind == Node::Kind::pp) {
       ++pps;
       if (is_top(place) || nodes[place >> 1].owner != at) return "a PP-node has no shadow volume";
-      if (node.slot >= surfaces[node.surface].pps.size() || surfaces[node.surface].pps[node.slot] != at)
+      if (node.slot >= surfaces[node.surface].pps.size() ||
+          surfaces[node.surface].pps[node.slot] != at)
         return "a PP-node is not in its polygon's location list";
       for (std::uint32_t r = node.first; r != none; r = records_[r].next, ++stored) {
         const Record& record = records_[r];
-        if (record.pp != at || surfaces[record.surface].records[record.slot] != r) return "a list and a location list do not agree";
+        if (record.pp != at || surfaces[record.surface].records[record.slot] != r)
+          return "a list and a location list do not agree";
       }
       continue;
     }
@@ -503,10 +523,13 @@ std::string Svbsp::validate() const {
     }
     const std::uint32_t inner = node.child[0];
     if (inner == none) return "a shadow volume has no polygon";
-    if (nodes[inner].kind == Node::Kind::pp ? inner != node.owner : nodes[inner].owner != node.owner)
+    if (nodes[inner].kind == Node::Kind::pp ? inner != node.owner
+                                            : nodes[inner].owner != node.owner)
       return "the planes of a shadow volume do not follow each other";
   }
-  if (sps != counts.sp_nodes || pps != counts.pp_nodes || marked != counts.marked || stored != counts.stored) return "the counts are wrong";
+  if (sps != counts.sp_nodes || pps != counts.pp_nodes || marked != counts.marked ||
+      stored != counts.stored)
+    return "the counts are wrong";
   std::size_t own = 0, listed = 0;
   for (const Surface& s : surfaces) own += s.pps.size(), listed += s.records.size();
   return own == pps && listed == stored ? "" : "a location list names what is not in the tree";

@@ -1,10 +1,12 @@
-// Shadow tiling: M. Slater, "A comparison of three shadow volume algorithms", 1992, section 5. A cube around the light, each face a grid of
-// tiles that know which polygons are seen through them; a polygon is cut by the shadow volumes of those with which it shares a tile. A tile
-// that lies wholly within a polygon needs to know of no other behind it.
+// Shadow tiling: M. Slater, "A comparison of three shadow volume algorithms", 1992, section 5. A
+// cube around the light, each face a grid of tiles that know which polygons are seen through them;
+// a polygon is cut by the shadow volumes of those with which it shares a tile. A tile that lies
+// wholly within a polygon needs to know of no other behind it.
 //
-// Departures. Which tiles a polygon touches, and which it covers, is decided from where its outline crosses the rows of tiles, so that none
-// is missed (Slater does not say how; scan conversion of the edges would miss some). For a directional light one grid across the light, as
-// large as the scene, takes the cube's place. Lit parts are cut as in brute.cpp.
+// Departures. Which tiles a polygon touches, and which it covers, is decided from where its outline
+// crosses the rows of tiles, so that none is missed (Slater does not say how; scan conversion of
+// the edges would miss some). For a directional light one grid across the light, as large as the
+// scene, takes the cube's place. Lit parts are cut as in brute.cpp.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,8 +16,8 @@
 namespace shadowcut::compare {
 namespace {
 
-// A face of the cube, or the one grid: rows of homogeneous coordinates, so that a point x lies at (column . x, row . x) / (depth . x) in
-// tiles.
+// A face of the cube, or the one grid: rows of homogeneous coordinates, so that a point x lies at
+// (column . x, row . x) / (depth . x) in tiles.
 struct Grid {
   Vec3 column, row, depth;
   double column_offset = 0, row_offset = 0, depth_offset = 0;
@@ -25,7 +27,9 @@ using Homogeneous = Vec3;  // (column, row, depth)
 class Tiling : public ShadowVolumes {
  public:
   Tiling(const Lighting& lighting, const Settings& settings)
-      : lighting_(lighting), side_(std::max(settings.tiles, 1u)), counts_(settings.count_shadow_polygons) {
+      : lighting_(lighting),
+        side_(std::max(settings.tiles, 1u)),
+        counts_(settings.count_shadow_polygons) {
     if (lighting.light().kind == Light::Kind::point) make_cube();
     else make_sheet();
     heads_.assign(grids_.size() * side_ * side_, empty);
@@ -45,17 +49,22 @@ class Tiling : public ShadowVolumes {
     find_tiles(polygon);
     const std::size_t first = parts.size();
     cut_by_neighbours(polygon, parts);
-    enter(polygon, std::any_of(parts.begin() + static_cast<std::ptrdiff_t>(first), parts.end(), [](const Fragment& f) { return f.lit; }));
+    enter(polygon, std::any_of(parts.begin() + static_cast<std::ptrdiff_t>(first), parts.end(),
+                               [](const Fragment& f) { return f.lit; }));
   }
 
   std::size_t bytes() const override {
-    return volumes_.capacity() * sizeof(Volume) + heads_.capacity() * sizeof(heads_[0]) + entries_.capacity() * sizeof(Entry);
+    return volumes_.capacity() * sizeof(Volume) + heads_.capacity() * sizeof(heads_[0]) +
+           entries_.capacity() * sizeof(Entry);
   }
 
  private:
-  // What a tile holds: nothing, a list of polygons that touch it, or one that covers it (Slater marks it by the sign too).
+  // What a tile holds: nothing, a list of polygons that touch it, or one that covers it (Slater
+  // marks it by the sign too).
   static constexpr std::int32_t empty = -1;
-  static std::int32_t covered_by(std::uint32_t volume) { return -2 - static_cast<std::int32_t>(volume); }
+  static std::int32_t covered_by(std::uint32_t volume) {
+    return -2 - static_cast<std::int32_t>(volume);
+  }
   struct Entry {
     std::uint32_t volume;
     std::int32_t next;
@@ -65,7 +74,8 @@ class Tiling : public ShadowVolumes {
     bool covered;
   };
   struct Interval {
-    double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+    double low = std::numeric_limits<double>::infinity(),
+           high = -std::numeric_limits<double>::infinity();
     void take(double x) { low = std::min(low, x), high = std::max(high, x); }
   };
   struct Row {
@@ -94,14 +104,17 @@ class Tiling : public ShadowVolumes {
         across.take(u.dot(x)), along.take(v.dot(x));
       }
     }
-    const double widest = std::max({across.high - across.low, along.high - along.low, std::numeric_limits<double>::min()});
+    const double widest = std::max(
+        {across.high - across.low, along.high - along.low, std::numeric_limits<double>::min()});
     Grid grid{u * (side_ / widest), v * (side_ / widest), Vec3::Zero()};
-    grid.column_offset = -across.low * (side_ / widest), grid.row_offset = -along.low * (side_ / widest), grid.depth_offset = 1;
+    grid.column_offset = -across.low * (side_ / widest),
+    grid.row_offset = -along.low * (side_ / widest), grid.depth_offset = 1;
     grids_.push_back(grid);
   }
 
   void place(Grid grid, const Vec3& origin) {
-    grid.column_offset = -grid.column.dot(origin), grid.row_offset = -grid.row.dot(origin), grid.depth_offset = -grid.depth.dot(origin);
+    grid.column_offset = -grid.column.dot(origin), grid.row_offset = -grid.row.dot(origin),
+    grid.depth_offset = -grid.depth.dot(origin);
     grids_.push_back(grid);
   }
 
@@ -112,7 +125,8 @@ class Tiling : public ShadowVolumes {
       seen_.clear();
       const Grid& grid = grids_[g];
       for (const PolygonCorner& c : polygon.corners)
-        seen_.emplace_back(grid.column.dot(c.at) + grid.column_offset, grid.row.dot(c.at) + grid.row_offset,
+        seen_.emplace_back(grid.column.dot(c.at) + grid.column_offset,
+                           grid.row.dot(c.at) + grid.row_offset,
                            grid.depth.dot(c.at) + grid.depth_offset);
       clip_to_grid();
       if (seen_.size() >= 3) find_tiles_of(g * side_ * side_);
@@ -128,7 +142,8 @@ class Tiling : public ShadowVolumes {
         const Homogeneous &a = seen_[i], &b = seen_[i + 1 == seen_.size() ? 0 : i + 1];
         const double here = border.dot(a), there = border.dot(b);
         if (here >= 0) clipped_.push_back(a);
-        if ((here > 0 && there < 0) || (here < 0 && there > 0)) clipped_.push_back(a + (here / (here - there)) * (b - a));
+        if ((here > 0 && there < 0) || (here < 0 && there > 0))
+          clipped_.push_back(a + (here / (here - there)) * (b - a));
       }
       seen_.swap(clipped_);
     }
@@ -143,13 +158,17 @@ class Tiling : public ShadowVolumes {
     }
     const std::size_t bottom = tile_of(height.low), top = tile_of(height.high);
     rows_.assign(top - bottom + 1, {});
-    for (std::size_t i = 0; i < seen_.size(); ++i) follow_edge(seen_[i], seen_[i + 1 == seen_.size() ? 0 : i + 1], bottom);
+    for (std::size_t i = 0; i < seen_.size(); ++i)
+      follow_edge(seen_[i], seen_[i + 1 == seen_.size() ? 0 : i + 1], bottom);
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       const Row& row = rows_[r];
-      const double low = std::max(row.below.low, row.above.low), high = std::min(row.below.high, row.above.high);
-      for (std::size_t t = tile_of(row.touched.low), last = tile_of(row.touched.high); t <= last; ++t) {
+      const double low = std::max(row.below.low, row.above.low),
+                   high = std::min(row.below.high, row.above.high);
+      for (std::size_t t = tile_of(row.touched.low), last = tile_of(row.touched.high); t <= last;
+           ++t) {
         const auto left = static_cast<double>(t);
-        tiles_.push_back({first_tile + (bottom + r) * side_ + t, low <= left + slack && high >= left + 1 - slack});
+        tiles_.push_back({first_tile + (bottom + r) * side_ + t,
+                          low <= left + slack && high >= left + 1 - slack});
       }
     }
   }
@@ -172,7 +191,9 @@ class Tiling : public ShadowVolumes {
     }
   }
 
-  std::size_t tile_of(double x) const { return static_cast<std::size_t>(std::clamp(std::floor(x), 0.0, static_cast<double>(side_ - 1))); }
+  std::size_t tile_of(double x) const {
+    return static_cast<std::size_t>(std::clamp(std::floor(x), 0.0, static_cast<double>(side_ - 1)));
+  }
 
   void cut_by_neighbours(const Polygon& polygon, std::vector<Fragment>& parts) {
     const std::size_t first = parts.size();
@@ -192,7 +213,8 @@ class Tiling : public ShadowVolumes {
     }
   }
 
-  // Slater's rule: a covered tile stays as it is; a tile that the polygon covers forgets the others; else it is one more.
+  // Slater's rule: a covered tile stays as it is; a tile that the polygon covers forgets the
+  // others; else it is one more.
   void enter(const Polygon& polygon, bool lit) {
     if (!lit) return;
     const auto volume = static_cast<std::uint32_t>(volumes_.size());

@@ -1,4 +1,5 @@
-// Vertex buffers that follow an engine: where fragments have their places, what becomes a hole, what fills it.
+// Vertex buffers that follow an engine: where fragments have their places, what becomes a hole,
+// what fills it.
 
 #include <algorithm>
 #include <limits>
@@ -11,10 +12,12 @@
 namespace shadowcut {
 namespace {
 
-// Fragments run counter-clockwise seen from the light; buffers, seen from the face's front. The first corner stays the first.
+// Fragments run counter-clockwise seen from the light; buffers, seen from the face's front. The
+// first corner stays the first.
 void turn_to_front(std::vector<Vec3>& corners, const Vec3& normal) {
   Vec3 doubled = Vec3::Zero();
-  for (std::size_t i = 2; i < corners.size(); ++i) doubled += (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]);
+  for (std::size_t i = 2; i < corners.size(); ++i)
+    doubled += (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]);
   if (doubled.dot(normal) < 0) std::reverse(corners.begin() + 1, corners.end());
 }
 
@@ -51,21 +54,25 @@ FragmentBuffers::Place FragmentBuffers::Places::take(FragmentId id) {
   const Place place = slots_[at].place;
   if (place.corners == 0) return place;
   --count_;
-  // What comes after it moves up where it may, so that no gap stands between a fragment's home and its slot.
+  // What comes after it moves up where it may, so that no gap stands between a fragment's home and
+  // its slot.
   for (std::size_t gap = at;;) {
     slots_[gap] = {};
     std::size_t from = gap;
     do {
       from = next(from);
       if (slots_[from].place.corners == 0) return place;
-    } while (((from - home(slots_[from].id)) & (slots_.size() - 1)) < ((from - gap) & (slots_.size() - 1)));
+    } while (((from - home(slots_[from].id)) & (slots_.size() - 1)) <
+             ((from - gap) & (slots_.size() - 1)));
     slots_[gap] = slots_[from];
     gap = from;
   }
 }
 
-FragmentBuffers::FragmentBuffers(std::uint32_t light, const BufferLayout& layout) : light_(light), layout_(layout) {
-  if (!(layout.hole_share >= 0 && layout.hole_share <= 1)) throw Error("the share of holes must be between 0 and 1");
+FragmentBuffers::FragmentBuffers(std::uint32_t light, const BufferLayout& layout)
+    : light_(light), layout_(layout) {
+  if (!(layout.hole_share >= 0 && layout.hole_share <= 1))
+    throw Error("the share of holes must be between 0 and 1");
   set_origin(layout.origin);
 }
 
@@ -78,7 +85,8 @@ void FragmentBuffers::set_origin(const Vec3& origin) {
 void FragmentBuffers::update(const Engine& engine, const Changes& changes) {
   const std::uint64_t seen = seen_;
   begin();
-  if (seen == 0 || changes.update != seen) follow(engine, changes, seen != 0 && changes.update == seen + 1);
+  if (seen == 0 || changes.update != seen)
+    follow(engine, changes, seen != 0 && changes.update == seen + 1);
   list_changes();
   seen_ = changes.update;
 }
@@ -90,7 +98,8 @@ void FragmentBuffers::fill(const Engine& engine) {
 }
 
 void FragmentBuffers::fill(const Scene& scene, const Shadows& shadows) {
-  if (light_ == all_lights) throw Error("buffers of all lights cannot be filled with the shadows of one");
+  if (light_ == all_lights)
+    throw Error("buffers of all lights cannot be filled with the shadows of one");
   begin();
   clear();
   add_shadows(scene, shadows);
@@ -98,7 +107,8 @@ void FragmentBuffers::fill(const Scene& scene, const Shadows& shadows) {
 }
 
 void FragmentBuffers::fill(const Scene& scene, const LightSets& sets) {
-  if (light_ != all_lights) throw Error("buffers of one light cannot be filled with the partition by all");
+  if (light_ != all_lights)
+    throw Error("buffers of one light cannot be filled with the partition by all");
   begin();
   clear();
   set_mask_words(std::max<std::size_t>(scene.lights().size(), 1));
@@ -123,7 +133,9 @@ void FragmentBuffers::follow(const Engine& engine, const Changes& changes, bool 
       if (change.light == light_) apply(engine, change);
     }
   }
-  if (!done || static_cast<double>(hole_vertices_) > layout_.hole_share * static_cast<double>(vertex_count_)) refill(engine);
+  if (!done ||
+      static_cast<double>(hole_vertices_) > layout_.hole_share * static_cast<double>(vertex_count_))
+    refill(engine);
 }
 
 void FragmentBuffers::refill(const Engine& engine) {
@@ -147,7 +159,8 @@ void FragmentBuffers::clear() {
 void FragmentBuffers::apply(const Engine& engine, const LightChanges& change) {
   if (change.removed || change.rebuilt) return refill(engine);
   for (const FragmentId& id : change.gone) {
-    if (const Place place = places_.take(id); place.corners != 0) remove(place);  // otherwise it was not shown
+    // otherwise it was not shown
+    if (const Place place = places_.take(id); place.corners != 0) remove(place);
   }
   const Shadows& shadows = engine.shadows(light_);
   for (const LightChanges::Added& a : change.added) {
@@ -156,13 +169,15 @@ void FragmentBuffers::apply(const Engine& engine, const LightChanges& change) {
   }
 }
 
-// The partition of a face stays as it is where no light's fragments on it have changed. False: it has to be made as a whole.
+// The partition of a face stays as it is where no light's fragments on it have changed. False: it
+// has to be made as a whole.
 bool FragmentBuffers::apply_to_faces(const Engine& engine, const Changes& changes) {
   std::vector<std::uint32_t> faces;
   for (const LightChanges& change : changes.lights) {
     if (change.removed || change.rebuilt) return false;
     const Shadows& shadows = engine.shadows(change.light);
-    for (const LightChanges::Added& a : change.added) faces.push_back(shadows.blocks[a.id.cell].fragments[a.index].face);
+    for (const LightChanges::Added& a : change.added)
+      faces.push_back(shadows.blocks[a.id.cell].fragments[a.index].face);
     for (const LightChanges::Area& a : change.areas) faces.push_back(a.face);
   }
   if (faces.empty()) return true;
@@ -182,11 +197,13 @@ void FragmentBuffers::add_shadows(const Scene& scene, const Shadows& shadows) {
   }
 }
 
-void FragmentBuffers::add_fragment(const Scene& scene, const Block& block, const Fragment& fragment) {
+void FragmentBuffers::add_fragment(const Scene& scene, const Block& block,
+                                   const Fragment& fragment) {
   if (!shows(fragment.lit)) return;
   mask_.assign(mask_words_, 0);
   if (fragment.lit && mask_words_ > 0) mask_[light_ / 32] = std::uint32_t{1} << (light_ % 32);
-  const Place place = add(scene, {fragment.face, fragment.facet, fragment.lit, mask_}, block.corners_of(fragment));
+  const Place place =
+      add(scene, {fragment.face, fragment.facet, fragment.lit, mask_}, block.corners_of(fragment));
   places_.insert(fragment.id, place);
 }
 
@@ -200,13 +217,16 @@ void FragmentBuffers::add_sets(const Scene& scene, const LightSets& sets) {
       mask_.push_back(static_cast<std::uint32_t>(word));
       mask_.push_back(static_cast<std::uint32_t>(word >> 32));
     }
-    const bool lit = std::any_of(mask_.begin(), mask_.end(), [](std::uint32_t word) { return word != 0; });
+    const bool lit =
+        std::any_of(mask_.begin(), mask_.end(), [](std::uint32_t word) { return word != 0; });
     if (!shows(lit)) continue;
-    places_of_face_[fragment.face].push_back(add(scene, {fragment.face, fragment.facet, lit, mask_}, sets.corners_of(fragment)));
+    places_of_face_[fragment.face].push_back(
+        add(scene, {fragment.face, fragment.facet, lit, mask_}, sets.corners_of(fragment)));
   }
 }
 
-FragmentBuffers::Place FragmentBuffers::add(const Scene& scene, const Source& source, std::span<const Vec3> corners) {
+FragmentBuffers::Place FragmentBuffers::add(const Scene& scene, const Source& source,
+                                            std::span<const Vec3> corners) {
   const Vec3& normal = scene.planes()[scene.facets()[source.facet].plane].normal;
   const std::uint32_t object = scene.faces()[source.face].object;
   corners_.assign(corners.begin(), corners.end());
@@ -230,7 +250,8 @@ FragmentBuffers::Place FragmentBuffers::add(const Scene& scene, const Source& so
 void FragmentBuffers::remove(const Place& place) {
   const std::uint32_t vertices = vertices_of(place.corners), indices = indices_of(place.corners);
   write_source(place.first_vertex, vertices, {none, none, false, {}}, none, Vec3::Zero());
-  for (std::uint32_t v = place.first_vertex; v < place.first_vertex + vertices; ++v) write_position(v, layout_.origin);
+  for (std::uint32_t v = place.first_vertex; v < place.first_vertex + vertices; ++v)
+    write_position(v, layout_.origin);
   std::fill_n(indices_.begin() + place.first_index, indices, place.first_vertex);
   if (place.corners >= holes_.size()) holes_.resize(place.corners + 1);
   holes_[place.corners].push_back({place, updates_});
@@ -258,11 +279,14 @@ FragmentBuffers::Place FragmentBuffers::take(std::uint32_t corners) {
 void FragmentBuffers::make_room(std::uint64_t vertices, std::uint64_t indices) {
   if (vertices <= vertex_capacity_ && indices <= index_capacity_) return;
   static constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
-  if (std::max(vertices, indices) > most) throw Error("more than 2^32 vertices or indices in one buffer");
+  if (std::max(vertices, indices) > most)
+    throw Error("more than 2^32 vertices or indices in one buffer");
   const auto room = [](std::uint64_t needed, std::uint32_t capacity) {
-    return needed <= capacity ? capacity : static_cast<std::uint32_t>(std::min(needed + needed / 2, most));
+    return needed <= capacity ? capacity
+                              : static_cast<std::uint32_t>(std::min(needed + needed / 2, most));
   };
-  const std::uint32_t capacity = room(vertices, vertex_capacity_), more_indices = room(indices, index_capacity_);
+  const std::uint32_t capacity = room(vertices, vertex_capacity_),
+                      more_indices = room(indices, index_capacity_);
   const std::size_t n = capacity;
   if (layout_.doubles) double_positions_.resize(3 * n);
   else positions_.resize(3 * n);
@@ -290,19 +314,23 @@ void FragmentBuffers::write_position(std::size_t vertex, const Vec3& position) {
   if (layout_.doubles) {
     std::copy_n(x.data(), 3, double_positions_.data() + 3 * vertex);
   } else {
-    for (Eigen::Index k = 0; k < 3; ++k) positions_[3 * vertex + static_cast<std::size_t>(k)] = static_cast<float>(x[k]);
+    for (Eigen::Index k = 0; k < 3; ++k)
+      positions_[3 * vertex + static_cast<std::size_t>(k)] = static_cast<float>(x[k]);
   }
 }
 
 // What a fragment's vertices have in common.
-void FragmentBuffers::write_source(std::size_t first, std::size_t count, const Source& source, std::uint32_t object, const Vec3& normal) {
+void FragmentBuffers::write_source(std::size_t first, std::size_t count, const Source& source,
+                                   std::uint32_t object, const Vec3& normal) {
   if (layout_.normals) {
     const Eigen::Vector3f n = normal.cast<float>();
-    for (std::size_t v = first; v < first + count; ++v) std::copy_n(n.data(), 3, normals_.data() + 3 * v);
+    for (std::size_t v = first; v < first + count; ++v)
+      std::copy_n(n.data(), 3, normals_.data() + 3 * v);
   }
   if (layout_.faces) std::fill_n(faces_.data() + first, count, source.face);
   if (layout_.objects) std::fill_n(objects_.data() + first, count, object);
-  if (layout_.states) std::fill_n(states_.data() + first, count, static_cast<std::uint8_t>(source.lit ? 1 : 0));
+  if (layout_.states)
+    std::fill_n(states_.data() + first, count, static_cast<std::uint8_t>(source.lit ? 1 : 0));
   for (std::size_t w = 0; w < mask_words_; ++w) {
     const std::uint32_t word = w < source.mask.size() ? source.mask[w] : 0;
     for (std::size_t v = first; v < first + count; ++v) masks_[v * mask_words_ + w] = word;
@@ -316,10 +344,12 @@ void FragmentBuffers::list_changes() {
     if (index_count_ > 0) changed_indices_.push_back({0, index_count_});
     return;
   }
-  std::sort(touched_.begin(), touched_.end(), [](const Place& a, const Place& b) { return a.first_vertex < b.first_vertex; });
+  std::sort(touched_.begin(), touched_.end(),
+            [](const Place& a, const Place& b) { return a.first_vertex < b.first_vertex; });
   const auto cover = [this](std::vector<Range>& ranges, std::uint32_t first, std::uint32_t count) {
     if (count == 0) return;
-    if (!ranges.empty() && first <= std::uint64_t{ranges.back().first} + ranges.back().count + layout_.joined_gap) {
+    if (!ranges.empty() &&
+        first <= std::uint64_t{ranges.back().first} + ranges.back().count + layout_.joined_gap) {
       ranges.back().count = std::max(ranges.back().count, first + count - ranges.back().first);
     } else {
       ranges.push_back({first, count});

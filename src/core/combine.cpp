@@ -1,6 +1,7 @@
-// Several lights: one partition for all of them (CS95, section 4). A fragment is asked of a finished tree as a face that neither casts nor
-// stays: it is filtered down, and where it comes out in front of everything it is lit. Parts that come back in the same state are reunited
-// (Slater 1992, figure 6).
+// Several lights: one partition for all of them (CS95, section 4). A fragment is asked of a
+// finished tree as a face that neither casts nor stays: it is filtered down, and where it comes out
+// in front of everything it is lit. Parts that come back in the same state are reunited (Slater
+// 1992, figure 6).
 
 #include <algorithm>
 #include <optional>
@@ -19,8 +20,9 @@ class Query {
  public:
   Query(const LightTree& light, Workspace& w) : light_(light), w_(w) {}
 
-  // The parts of a polygon in the facet's plane, its corners in the order in which its lines are positive inside. A part's corner that is
-  // one of the polygon's has its index for a vertex. The cones are the caller's to give back.
+  // The parts of a polygon in the facet's plane, its corners in the order in which its lines are
+  // positive inside. A part's corner that is one of the polygon's has its index for a vertex. The
+  // cones are the caller's to give back.
   void run(std::uint32_t facet, std::span<const Vec3> polygon, std::vector<Answer>& answers) {
     answers.clear();
     lines_.clear();
@@ -47,7 +49,8 @@ class Query {
     bool split;  // its parts have been answered from first_answer on
   };
 
-  // A polygon's corners are rounded, so there is nothing to be exact about: the numbers' word stands, whatever the kernel.
+  // A polygon's corners are rounded, so there is nothing to be exact about: the numbers' word
+  // stands, whatever the kernel.
   Lines lines() const { return Lines(light_.tables(), lines_, nullptr); }
   std::uint32_t add_line(const Line& line) {
     lines_.push_back({line, 0, {}});
@@ -66,7 +69,8 @@ class Query {
       if (!std::isfinite(l.n[0]) || !std::isfinite(l.n[1]) || !std::isfinite(l.n[2])) continue;
       const VertexRay ray = rounded(light_.space().ray(a));
       const EdgeRef edge(add_line(l), false);
-      cone->corners()[cone->count++] = {{ray.r[0], ray.r[1], ray.r[2]}, edge, static_cast<std::uint32_t>(i)};
+      cone->corners()[cone->count++] = {
+          {ray.r[0], ray.r[1], ray.r[2]}, edge, static_cast<std::uint32_t>(i)};
       cone->error = std::max(cone->error, ray.error);
     }
     if (cone->count >= 3) return cone;
@@ -100,14 +104,17 @@ class Query {
         sides[0] = here.node() * 2, sides[1] = here.node() * 2 + 1;
         if (here.is_sp()) {
           line = tree.line(node.id);
-        } else if (light_.tables().facets[tree.pieces()[node.id].facet].plane == light_.tables().facets[cone.facet].plane) {
+        } else if (light_.tables().facets[tree.pieces()[node.id].facet].plane ==
+                   light_.tables().facets[cone.facet].plane) {
           frame.place = sides[0];
           continue;
         } else {
           nearer.emplace(own, node.n, node.error);
         }
       }
-      const double bound = nearer ? nearer->bound(cone) : static_cast<double>(line.error) + static_cast<double>(cone.error) + sign_slack;
+      const double bound =
+          nearer ? nearer->bound(cone)
+                 : static_cast<double>(line.error) + static_cast<double>(cone.error) + sign_slack;
       const Signs signs(cone, nearer ? nearer->d : line.n, bound, w_.spill);
       if (signs.positive() && signs.negative()) {
         if (nearer) line = nearer->line();
@@ -124,13 +131,15 @@ class Query {
         return;
       }
       if (nearer && signs.negative()) return answers.push_back({&cone, false});
-      // In front, or touching: coplanar faces do not shadow each other, and neither can shadow what is in front of both.
+      // In front, or touching: coplanar faces do not shadow each other, and neither can shadow what
+      // is in front of both.
       frame.place = sides[!nearer && signs.negative() ? 1 : 0];
     }
   }
 
   void reunite(const Frame& frame, std::vector<Answer>& answers) {
-    if (answers.size() != frame.first_answer + 2 || answers[frame.first_answer].lit != answers[frame.first_answer + 1].lit) {
+    if (answers.size() != frame.first_answer + 2 ||
+        answers[frame.first_answer].lit != answers[frame.first_answer + 1].lit) {
       return w_.pool.give_back(frame.cone);
     }
     const bool lit = answers.back().lit;
@@ -142,17 +151,19 @@ class Query {
 
   const LightTree& light_;
   Workspace& w_;
-  std::vector<LocalLine> lines_;  // of the polygon's edges, then of its cuts: one polygon may meet several cells, whose ids overlap
+  // of the polygon's edges, then of its cuts: one polygon may meet several cells, whose ids overlap
+  std::vector<LocalLine> lines_;
   std::vector<Frame> frames_;
 };
 
-// Fragments of one or more lights so far, and their corners; front_order: whether corners run counter-clockwise seen from the facet's
-// front.
+// Fragments of one or more lights so far, and their corners; front_order: whether corners run
+// counter-clockwise seen from the facet's front.
 struct Partition {
   LightSets sets;
   std::vector<std::uint8_t> front_order;
 
-  void add(std::uint32_t face, std::uint32_t facet, std::span<const std::uint64_t> lights, bool front) {
+  void add(std::uint32_t face, std::uint32_t facet, std::span<const std::uint64_t> lights,
+           bool front) {
     sets.fragments.push_back({face, facet, static_cast<std::uint32_t>(sets.corners.size()), 0});
     sets.lights.insert(sets.lights.end(), lights.begin(), lights.end());
     front_order.push_back(front);
@@ -173,7 +184,8 @@ struct Partition {
   }
 };
 
-Partition first_partition(const LightTree& light, std::size_t number, std::size_t words, const std::vector<bool>* faces) {
+Partition first_partition(const LightTree& light, std::size_t number, std::size_t words,
+                          const std::vector<bool>* faces) {
   Partition out;
   out.sets.words = words;
   std::vector<std::uint64_t> set(words);
@@ -190,10 +202,11 @@ Partition first_partition(const LightTree& light, std::size_t number, std::size_
 }
 
 // Fragment i of `in`, cut by a further light.
-void cut_by(const LightTree& light, std::size_t number, const Partition& in, std::size_t i, Query& query, std::vector<Answer>& answers,
-            Workspace& w, Partition& out) {
+void cut_by(const LightTree& light, std::size_t number, const Partition& in, std::size_t i,
+            Query& query, std::vector<Answer>& answers, Workspace& w, Partition& out) {
   const LightSets::Fragment& f = in.sets.fragments[i];
-  const std::span<const std::uint64_t> before(in.sets.lights.data() + i * in.sets.words, in.sets.words);
+  const std::span<const std::uint64_t> before(in.sets.lights.data() + i * in.sets.words,
+                                              in.sets.words);
   std::vector<Vec3> corners(in.sets.corners_of(f).begin(), in.sets.corners_of(f).end());
   if (light.facing(f.facet) == Facing::toward) {
     const bool flip = light.forward(f.facet) != static_cast<bool>(in.front_order[i]);
@@ -225,7 +238,8 @@ void cut_by(const LightTree& light, std::size_t number, const Partition& in, std
 LightSets combine(const std::vector<const LightShadows*>& all, const std::vector<bool>* faces) {
   std::vector<const LightTree*> lights;
   for (const LightShadows* light : all) lights.push_back(static_cast<const LightTree*>(light));
-  const auto first = std::find_if(lights.begin(), lights.end(), [](const LightTree* t) { return t != nullptr; });
+  const auto first =
+      std::find_if(lights.begin(), lights.end(), [](const LightTree* t) { return t != nullptr; });
   if (first == lights.end()) return {};
   const auto first_number = static_cast<std::size_t>(first - lights.begin());
   Partition partition = first_partition(**first, first_number, (lights.size() + 63) / 64, faces);

@@ -1,5 +1,6 @@
-// Both sides of a cut name it by the same line, so no geometry has to be searched: the corners that end an edge on a line are gathered by
-// line, sorted along it, and given to every edge on that line that passes over them.
+// Both sides of a cut name it by the same line, so no geometry has to be searched: the corners that
+// end an edge on a line are gathered by line, sorted along it, and given to every edge on that line
+// that passes over them.
 
 #include "conform.hpp"
 
@@ -14,8 +15,8 @@ struct FragmentRef {
   std::uint32_t face, output, fragment;
 };
 
-// A line as it lies in a face. A face that was not flat has several planes, and a line that cuts two of them lies in each elsewhere; only
-// the facets' own edges are in both.
+// A line as it lies in a face. A face that was not flat has several planes, and a line that cuts
+// two of them lies in each elsewhere; only the facets' own edges are in both.
 struct FaceLine {
   std::uint64_t line;
   std::uint32_t plane;  // none: the line is an edge of the facet
@@ -41,7 +42,8 @@ FaceLine key_of(const Scene& scene, std::uint32_t facet, std::uint64_t line) {
 }
 
 // The face's edges' ends, sorted by line and along it.
-std::vector<End> ends_of(const Scene& scene, std::span<const FragmentRef> face, const std::vector<CellOutput>& outputs) {
+std::vector<End> ends_of(const Scene& scene, std::span<const FragmentRef> face,
+                         const std::vector<CellOutput>& outputs) {
   std::vector<End> ends;
   for (const FragmentRef& ref : face) {
     const CellOutput& o = outputs[ref.output];
@@ -52,9 +54,11 @@ std::vector<End> ends_of(const Scene& scene, std::span<const FragmentRef> face, 
       ends.push_back({line, 0, o.block.corners[f.first_corner + (i + 1) % f.corner_count]});
     }
   }
-  std::stable_sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.line < b.line; });
+  std::stable_sort(ends.begin(), ends.end(),
+                   [](const End& a, const End& b) { return a.line < b.line; });
   for (auto begin = ends.begin(); begin != ends.end();) {
-    const auto end = std::find_if(begin, ends.end(), [&](const End& e) { return e.line != begin->line; });
+    const auto end =
+        std::find_if(begin, ends.end(), [&](const End& e) { return e.line != begin->line; });
     Eigen::AlignedBox3d box;
     for (auto e = begin; e != end; ++e) box.extend(e->x);
     Eigen::Index axis;
@@ -67,10 +71,13 @@ std::vector<End> ends_of(const Scene& scene, std::span<const FragmentRef> face, 
 }
 
 // The corners strictly between the ends of the edge a -> b, in its direction.
-void between(const std::vector<End>& ends, FaceLine line, const Vec3& a, const Vec3& b, std::vector<Vec3>& out) {
+void between(const std::vector<End>& ends, FaceLine line, const Vec3& a, const Vec3& b,
+             std::vector<Vec3>& out) {
   out.clear();
-  auto first = std::lower_bound(ends.begin(), ends.end(), line, [](const End& e, FaceLine l) { return e.line < l; });
-  const auto last = std::upper_bound(first, ends.end(), line, [](FaceLine l, const End& e) { return l < e.line; });
+  auto first = std::lower_bound(ends.begin(), ends.end(), line,
+                                [](const End& e, FaceLine l) { return e.line < l; });
+  const auto last = std::upper_bound(first, ends.end(), line,
+                                     [](FaceLine l, const End& e) { return l < e.line; });
   double at_a = 0, at_b = 0;
   for (auto e = first; e != last; ++e) {
     if (e->x == a) at_a = e->along;
@@ -85,25 +92,32 @@ void between(const std::vector<End>& ends, FaceLine line, const Vec3& a, const V
   if (at_a > at_b) std::reverse(out.begin(), out.end());
 }
 
-// Two lines meet in one corner whoever cuts, and so do the edges of one vertex. But where an edge pierces a face, or edges of different
-// objects line up, more lines pass through one point, and each pair of them gives it with its own last bits.
-void weld(const Scene& scene, std::span<const std::span<const FragmentRef>> faces, std::vector<CellOutput>& outputs) {
+// Two lines meet in one corner whoever cuts, and so do the edges of one vertex. But where an edge
+// pierces a face, or edges of different objects line up, more lines pass through one point, and
+// each pair of them gives it with its own last bits.
+void weld(const Scene& scene, std::span<const std::span<const FragmentRef>> faces,
+          std::vector<CellOutput>& outputs) {
   parallel_for(faces.size(), 1, [&](std::size_t face) {
     std::vector<Vec3*> all;
     for (const FragmentRef& ref : faces[face]) {
       Block& block = outputs[ref.output].block;
       const Fragment& f = block.fragments[ref.fragment];
-      for (std::uint32_t i = 0; i < f.corner_count; ++i) all.push_back(&block.corners[f.first_corner + i]);
+      for (std::uint32_t i = 0; i < f.corner_count; ++i)
+        all.push_back(&block.corners[f.first_corner + i]);
     }
     // The input's own vertices stand; other corners take the numbers of the first one near enough.
     Eigen::AlignedBox3d box;
     std::vector<Vec3> anchors;
     for (const Facet& facet :
-         scene.facets().subspan(scene.faces()[faces[face][0].face].first_facet, scene.faces()[faces[face][0].face].facet_count)) {
-      for (const Corner& c : scene.corners_of(facet)) anchors.push_back(scene.vertices()[c.vertex]), box.extend(anchors.back());
+         scene.facets().subspan(scene.faces()[faces[face][0].face].first_facet,
+                                scene.faces()[faces[face][0].face].facet_count)) {
+      for (const Corner& c : scene.corners_of(facet))
+        anchors.push_back(scene.vertices()[c.vertex]), box.extend(anchors.back());
     }
     const double near =
-        1e-12 * std::max(box.sizes().maxCoeff(), std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()) * 1e-2);
+        1e-12 *
+        std::max(box.sizes().maxCoeff(),
+                 std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()) * 1e-2);
     const std::size_t vertices = anchors.size();
     for (const Vec3* c : all) anchors.push_back(*c);
     std::vector<std::uint32_t> order(anchors.size()), group(anchors.size());
@@ -112,8 +126,9 @@ void weld(const Scene& scene, std::span<const std::span<const FragmentRef>> face
       while (group[i] != i) i = group[i] = group[group[i]];
       return i;
     };
-    std::sort(order.begin(), order.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return anchors[a].x() != anchors[b].x() ? anchors[a].x() < anchors[b].x() : a < b; });
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return anchors[a].x() != anchors[b].x() ? anchors[a].x() < anchors[b].x() : a < b;
+    });
     for (std::size_t i = 0; i < order.size(); ++i) {
       for (std::size_t j = i; j-- > 0 && anchors[order[i]].x() - anchors[order[j]].x() <= near;) {
         if ((anchors[order[i]] - anchors[order[j]]).cwiseAbs().maxCoeff() > near) continue;
@@ -121,7 +136,8 @@ void weld(const Scene& scene, std::span<const std::span<const FragmentRef>> face
         if (a >= vertices || b >= vertices) group[std::max(a, b)] = std::min(a, b);
       }
     }
-    for (std::size_t i = 0; i < all.size(); ++i) *all[i] = anchors[find(static_cast<std::uint32_t>(vertices + i))];
+    for (std::size_t i = 0; i < all.size(); ++i)
+      *all[i] = anchors[find(static_cast<std::uint32_t>(vertices + i))];
   });
 }
 
@@ -133,7 +149,8 @@ void make_conforming(const Scene& scene, std::vector<CellOutput>& outputs) {
     const auto& fragments = outputs[o].block.fragments;
     for (std::uint32_t i = 0; i < fragments.size(); ++i) refs.push_back({fragments[i].face, o, i});
   }
-  std::stable_sort(refs.begin(), refs.end(), [](const FragmentRef& a, const FragmentRef& b) { return a.face < b.face; });
+  std::stable_sort(refs.begin(), refs.end(),
+                   [](const FragmentRef& a, const FragmentRef& b) { return a.face < b.face; });
   std::vector<std::span<const FragmentRef>> faces;
   for (std::size_t begin = 0; begin < refs.size();) {
     std::size_t end = begin;
@@ -146,7 +163,8 @@ void make_conforming(const Scene& scene, std::vector<CellOutput>& outputs) {
 
   // By output and fragment: what to add. A fragment belongs to one face, so threads never meet.
   std::vector<std::vector<std::vector<Insertion>>> insertions(outputs.size());
-  for (std::size_t o = 0; o < outputs.size(); ++o) insertions[o].resize(outputs[o].block.fragments.size());
+  for (std::size_t o = 0; o < outputs.size(); ++o)
+    insertions[o].resize(outputs[o].block.fragments.size());
   parallel_for(faces.size(), 1, [&](std::size_t i) {
     const std::vector<End> ends = ends_of(scene, faces[i], outputs);
     std::vector<Vec3> found;
@@ -154,8 +172,10 @@ void make_conforming(const Scene& scene, std::vector<CellOutput>& outputs) {
       const CellOutput& o = outputs[ref.output];
       const Fragment& f = o.block.fragments[ref.fragment];
       for (std::uint32_t k = 0; k < f.corner_count; ++k) {
-        const std::uint32_t here = f.first_corner + k, next = f.first_corner + (k + 1) % f.corner_count;
-        between(ends, key_of(scene, f.facet, o.edge_lines[here]), o.block.corners[here], o.block.corners[next], found);
+        const std::uint32_t here = f.first_corner + k,
+                            next = f.first_corner + (k + 1) % f.corner_count;
+        between(ends, key_of(scene, f.facet, o.edge_lines[here]), o.block.corners[here],
+                o.block.corners[next], found);
         for (const Vec3& x : found) insertions[ref.output][ref.fragment].push_back({k, x});
       }
     }

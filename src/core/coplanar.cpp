@@ -1,9 +1,10 @@
-// Groups are found by leaders: in order of their area, a patch that has no leader becomes one, and takes all those without one whose
-// corners lie in its plane.
+// Groups are found by leaders: in order of their area, a patch that has no leader becomes one, and
+// takes all those without one whose corners lie in its plane.
 //
-// They are found in a tree over all patches, in which a plane passes by what lies elsewhere or another way. How far another way matters: a
-// plane within d of a patch's corners differs from the patch's own in direction by no more than d / breadth (below), which is tiny for a
-// wall and large for a splinter.
+// They are found in a tree over all patches, in which a plane passes by what lies elsewhere or
+// another way. How far another way matters: a plane within d of a patch's corners differs from the
+// patch's own in direction by no more than d / breadth (below), which is tiny for a wall and large
+// for a splinter.
 #include "coplanar.hpp"
 
 #include <algorithm>
@@ -19,7 +20,8 @@ namespace {
 template <class Do>
 void for_corners(const Figure& figure, const Patch& patch, const Do& act) {
   for (std::uint32_t k = patch.first_facet; k < patch.end_facet; ++k) {
-    for (std::uint32_t i = 0; i < figure.facets[k].corner_count; ++i) act(figure.at(figure.facets[k], i));
+    for (std::uint32_t i = 0; i < figure.facets[k].corner_count; ++i)
+      act(figure.at(figure.facets[k], i));
   }
 }
 
@@ -27,8 +29,9 @@ void for_corners(const Figure& figure, const Patch& patch, const Do& act) {
 struct Measure {
   Vec3 normal = Vec3::Zero();  // unit length; of no area: zero
   double area = 0, outline = 0;
-  // For a square a quarter of its side, for a needle half its width. Corners moved by d turn Newell's normal by no more than d / breadth:
-  // each term of its sum changes by d times a piece of the outline.
+  // For a square a quarter of its side, for a needle half its width. Corners moved by d turn
+  // Newell's normal by no more than d / breadth: each term of its sum changes by d times a piece of
+  // the outline.
   double breadth() const { return outline > 0 ? area / outline : 0; }
 };
 
@@ -89,8 +92,9 @@ class Grouping {
     if (items_.empty()) return out;
     std::vector<std::uint32_t> order;
     for (const Item& item : items_) order.push_back(item.patch);
-    std::stable_sort(order.begin(), order.end(),
-                     [this](std::uint32_t a, std::uint32_t b) { return measures_[a].area > measures_[b].area; });
+    std::stable_sort(order.begin(), order.end(), [this](std::uint32_t a, std::uint32_t b) {
+      return measures_[a].area > measures_[b].area;
+    });
     build(0, static_cast<std::uint32_t>(items_.size()), none);
     for (const std::uint32_t leader : order) {
       if (leaf_of_[leader] == none) continue;
@@ -103,7 +107,8 @@ class Grouping {
  private:
   struct Item {
     std::uint32_t patch;
-    Vec3 normal;                       // one for both sides of a plane, unless it lies nearly across (0.48, 0.61, 0.63)
+    // one for both sides of a plane, unless it lies nearly across (0.48, 0.61, 0.63)
+    Vec3 normal;
     Vec3 middle;                       // of its corners
     double radius = 0, thickness = 0;  // of the corners about the middle; and along the normal
     double doubt;                      // by how much the normal of a plane in reach may differ
@@ -125,9 +130,16 @@ class Grouping {
 
   Item item_of(std::uint32_t patch, double doubt, double reach) const {
     const Vec3& normal = measures_[patch].normal;
-    Item item{patch, normal.dot(Vec3(0.48, 0.61, 0.63)) < 0 ? Vec3(-normal) : normal, Vec3::Zero(), 0, 0, doubt, reach};
+    Item item{patch,
+              normal.dot(Vec3(0.48, 0.61, 0.63)) < 0 ? Vec3(-normal) : normal,
+              Vec3::Zero(),
+              0,
+              0,
+              doubt,
+              reach};
     double corners = 0;
-    for_corners(figure_, patches_[patch], [&](const Vec3& x) { item.middle += scaled(x), ++corners; });
+    for_corners(figure_, patches_[patch],
+                [&](const Vec3& x) { item.middle += scaled(x), ++corners; });
     item.middle /= corners;  // which is in the plane
     for_corners(figure_, patches_[patch], [&](const Vec3& corner) {
       const Vec3 x = scaled(corner);
@@ -154,13 +166,15 @@ class Grouping {
       const double apart = (item.normal - node.axis).norm();
       node.cone = std::max(node.cone, apart);
       node.radius = std::max(node.radius, (item.middle - node.middle).norm() + item.radius);
-      node.thickness = std::max(node.thickness, std::abs(node.axis.dot(item.middle - node.middle)) + item.thickness + apart * item.radius);
+      node.thickness = std::max(node.thickness, std::abs(node.axis.dot(item.middle - node.middle)) +
+                                                    item.thickness + apart * item.radius);
     }
     return node;
   }
 
-  // Divides by what most keeps a plane from passing by: by doubt where that is very different, by direction as far as the doubt lets it
-  // matter, then by height, and where neither matters by place.
+  // Divides by what most keeps a plane from passing by: by doubt where that is very different, by
+  // direction as far as the doubt lets it matter, then by height, and where neither matters by
+  // place.
   void build(std::uint32_t first, std::uint32_t end, std::uint32_t parent) {
     const auto id = static_cast<std::uint32_t>(nodes_.size());
     nodes_.push_back(node_of(first, end));
@@ -208,7 +222,8 @@ class Grouping {
 
   // Gives a leader all that wait and lie in its plane.
   void take(std::uint32_t leader, std::vector<Membership>& out) {
-    const Vec3 &n = measures_[leader].normal, &point = figure_.at(figure_.facets[patches_[leader].first_facet], 0);
+    const Vec3 &n = measures_[leader].normal,
+               &point = figure_.at(figure_.facets[patches_[leader].first_facet], 0);
     const Vec3 foot = scaled(point);
     pending_.assign(1, 0);
     while (!pending_.empty()) {
@@ -223,7 +238,9 @@ class Grouping {
       }
       for (std::uint32_t i = node.first; i < node.end; ++i) {
         const Item& item = items_[i];
-        if (std::abs(n.dot(item.middle - foot)) > item.reach + item.thickness + item.doubt * item.radius + slack) continue;
+        if (std::abs(n.dot(item.middle - foot)) >
+            item.reach + item.thickness + item.doubt * item.radius + slack)
+          continue;
         if (leaf_of_[item.patch] == none || !lies_in(item, n, point)) continue;
         settle(item.patch);
         out[item.patch] = {leader, n.dot(measures_[item.patch].normal) < 0};
@@ -235,7 +252,8 @@ class Grouping {
   static bool passes_by(const Vec3& n, const Vec3& foot, const Node& node) {
     const double apart = (n - (n.dot(node.axis) < 0 ? Vec3(-node.axis) : node.axis)).norm();
     if (apart > node.cone + node.doubt + slack) return true;
-    return std::abs(n.dot(node.middle - foot)) > node.thickness + apart * node.radius + node.reach + slack;
+    return std::abs(n.dot(node.middle - foot)) >
+           node.thickness + apart * node.radius + node.reach + slack;
   }
 
   bool lies_in(const Item& item, const Vec3& n, const Vec3& point) const {
@@ -273,22 +291,25 @@ bool contains(const Plane& plane, const Vec3& x) {
   const Vec3 &n = plane.exact_normal, d = x - plane.point;
   if (std::abs(n.dot(d)) > 8 * unit_roundoff * n.cwiseAbs().dot(d.cwiseAbs())) return false;
   Expansion sum;
-  for (int i = 0; i < 3; ++i) sum = sum + Expansion(n[i]) * Expansion::difference(x[i], plane.point[i]);
+  for (int i = 0; i < 3; ++i)
+    sum = sum + Expansion(n[i]) * Expansion::difference(x[i], plane.point[i]);
   return sum.sign() == 0;
 }
 
 bool parallel(const Vec3& m, const Vec3& n) {
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
-    if ((Expansion(m[i]) * Expansion(n[j]) - Expansion(m[j]) * Expansion(n[i])).sign() != 0) return false;
+    if ((Expansion(m[i]) * Expansion(n[j]) - Expansion(m[j]) * Expansion(n[i])).sign() != 0)
+      return false;
   }
   return true;
 }
 
-// The plane of a group, but for flatness and tilt: the leader's where all corners lie in it exactly; else one through the
-// leader's first corner and two of the group's far from it and from each other. A leader that is one small tile of a large wall says little
-// about the wall's far end.
-Plane common_plane(const Figure& figure, std::span<const Patch> patches, std::span<const std::uint32_t> group, Plane leader) {
+// The plane of a group, but for flatness and tilt: the leader's where all corners lie in it
+// exactly; else one through the leader's first corner and two of the group's far from it and from
+// each other. A leader that is one small tile of a large wall says little about the wall's far end.
+Plane common_plane(const Figure& figure, std::span<const Patch> patches,
+                   std::span<const std::uint32_t> group, Plane leader) {
   const Vec3 origin = leader.point;
   const auto for_group = [&](const auto& act) {
     for (const std::uint32_t p : group) for_corners(figure, patches[p], act);
@@ -311,7 +332,9 @@ Plane common_plane(const Figure& figure, std::span<const Patch> patches, std::sp
   });
   if (normal.dot(leader.normal) < 0) normal = -normal;
   // What rounding has left across an axis goes: short normals keep exact signs cheap.
-  normal = normal.unaryExpr([least = 0x1p-50 * normal.cwiseAbs().maxCoeff()](double c) { return std::abs(c) < least ? 0.0 : c; });
+  normal = normal.unaryExpr([least = 0x1p-50 * normal.cwiseAbs().maxCoeff()](double c) {
+    return std::abs(c) < least ? 0.0 : c;
+  });
   leader.normal = normal.normalized();
   leader.exact_normal = normal * std::ldexp(1.0, -std::ilogb(normal.cwiseAbs().maxCoeff()));
   return leader;
@@ -321,7 +344,9 @@ Plane common_plane(const Figure& figure, std::span<const Patch> patches, std::sp
 
 double distance_from(const Plane& plane, const Figure& figure, const Patch& patch) {
   double most = 0;
-  for_corners(figure, patch, [&](const Vec3& x) { most = std::max(most, std::abs(plane.normal.dot(x - plane.point))); });
+  for_corners(figure, patch, [&](const Vec3& x) {
+    most = std::max(most, std::abs(plane.normal.dot(x - plane.point)));
+  });
   return most;
 }
 
@@ -330,16 +355,19 @@ bool same_plane(const Plane& p, const Plane& q) {
   return parallel(p.exact_normal, q.exact_normal) && contains(p, q.point);
 }
 
-std::vector<Membership> find_groups(const Figure& figure, std::span<const Patch> patches, double tolerance, double most_turn) {
+std::vector<Membership> find_groups(const Figure& figure, std::span<const Patch> patches,
+                                    double tolerance, double most_turn) {
   return Grouping(figure, patches, tolerance, most_turn).run();
 }
 
-std::vector<Plane> common_planes(const Figure& figure, std::span<const Patch> patches, std::span<const Plane> own,
-                                 std::span<const Membership> members) {
+std::vector<Plane> common_planes(const Figure& figure, std::span<const Patch> patches,
+                                 std::span<const Plane> own, std::span<const Membership> members) {
   std::vector<Plane> planes(own.begin(), own.end());
   std::vector<std::uint32_t> order(patches.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return members[a].leader < members[b].leader; });
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return members[a].leader < members[b].leader;
+  });
   for (std::size_t begin = 0, end; begin < order.size(); begin = end) {
     const std::uint32_t leader = members[order[begin]].leader;
     for (end = begin + 1; end < order.size() && members[order[end]].leader == leader;) ++end;
@@ -347,10 +375,12 @@ std::vector<Plane> common_planes(const Figure& figure, std::span<const Patch> pa
     const auto group = std::span<const std::uint32_t>(order).subspan(begin, end - begin);
     Plane common = common_plane(figure, patches, group, own[leader]);
     common.flatness = 0;
-    for (const std::uint32_t p : group) common.flatness = std::max(common.flatness, distance_from(common, figure, patches[p]));
+    for (const std::uint32_t p : group)
+      common.flatness = std::max(common.flatness, distance_from(common, figure, patches[p]));
     for (const std::uint32_t p : group) {
       planes[p] = common;
-      if (members[p].opposite) planes[p].normal = -common.normal, planes[p].exact_normal = -common.exact_normal;
+      if (members[p].opposite)
+        planes[p].normal = -common.normal, planes[p].exact_normal = -common.exact_normal;
       planes[p].tilt = own[p].tilt;
       if (common.flatness > 0) planes[p].tilt += common.flatness / breadth(figure, patches[p]);
     }

@@ -1,4 +1,5 @@
-// Faces of one object that were meant to lie in one plane, and do so but for rounding: they get that plane.
+// Faces of one object that were meant to lie in one plane, and do so but for rounding: they get
+// that plane.
 #pragma once
 
 #include <shadowcut/scene.hpp>
@@ -19,7 +20,8 @@ struct Figure {
   }
 };
 
-// Consecutive facets of a figure in one plane: a flat face, or one facet of a face that is not flat.
+// Consecutive facets of a figure in one plane: a flat face, or one facet of a face that is not
+// flat.
 struct Patch {
   std::uint32_t first_facet, end_facet;
 };
@@ -30,16 +32,19 @@ struct Membership {
   bool opposite;  // its front is where the leader's back is
 };
 
-// Which patches share a plane. The largest leads, and takes with it those whose corners all lie within `tolerance` (a share of the figure's
-// largest coordinate) of its own plane; then the largest of what is left leads, and so on: no group reaches farther than its leader's
-// plane. Nor does a small patch follow that its corners would turn by more than `most_turn` (radians, about).
-// Cost: about n log n; n^1.5 for the patches of one wall if they miss each other's planes by a few times the tolerance.
-std::vector<Membership> find_groups(const Figure& figure, std::span<const Patch> patches, double tolerance, double most_turn);
+// Which patches share a plane. The largest leads, and takes with it those whose corners all lie
+// within `tolerance` (a share of the figure's largest coordinate) of its own plane; then the
+// largest of what is left leads, and so on: no group reaches farther than its leader's plane. Nor
+// does a small patch follow that its corners would turn by more than `most_turn` (radians, about).
+// Cost: about n log n; n^1.5 for the patches of one wall if they miss each other's planes by a few
+// times the tolerance.
+std::vector<Membership> find_groups(const Figure& figure, std::span<const Patch> patches,
+                                    double tolerance, double most_turn);
 
-// The patches' planes when every group has one, up to its sign, that of `own[leader]` or one through corners far apart. Flatness is the
-// group's, tilt the patch's.
-std::vector<Plane> common_planes(const Figure& figure, std::span<const Patch> patches, std::span<const Plane> own,
-                                 std::span<const Membership> members);
+// The patches' planes when every group has one, up to its sign, that of `own[leader]` or one
+// through corners far apart. Flatness is the group's, tilt the patch's.
+std::vector<Plane> common_planes(const Figure& figure, std::span<const Patch> patches,
+                                 std::span<const Plane> own, std::span<const Membership> members);
 
 // Whether two planes are the same set of points, exactly.
 bool same_plane(const Plane& p, const Plane& q);

@@ -1,4 +1,5 @@
-// The door: everything that enters a scene is welded, checked and cut into convex facets here, once.
+// The door: everything that enters a scene is welded, checked and cut into convex facets here,
+// once.
 
 #include "door.hpp"
 
@@ -25,8 +26,9 @@ std::uint64_t hash_position(const Vec3& v) {
   return mix(bits[0] + mix(bits[1] + mix(bits[2])));
 }
 
-// The plane through a loop's first corner with Newell's normal. The arithmetic is on differences from that corner, scaled to size one, so
-// that neither a far-away face nor a huge or tiny one loses digits.
+// The plane through a loop's first corner with Newell's normal. The arithmetic is on differences
+// from that corner, scaled to size one, so that neither a far-away face nor a huge or tiny one
+// loses digits.
 struct Fit {
   Plane plane;
   double area = 0;      // of the whole figure, holes taken off
@@ -45,7 +47,8 @@ Fit fit_plane(const Loops& loops, const Position& position) {
   if (!std::isfinite(extent) || extent == 0) return out;
   int exponent;
   std::frexp(extent, &exponent);
-  const double size = std::ldexp(1.0, std::min(exponent, 1023));  // a power of two: short numbers stay short
+  // a power of two: short numbers stay short
+  const double size = std::ldexp(1.0, std::min(exponent, 1023));
   Vec3 sum = Vec3::Zero();
   double magnitude = 0;
   for (std::size_t k = 0; k < loops.size(); ++k) {
@@ -53,7 +56,8 @@ Fit fit_plane(const Loops& loops, const Position& position) {
     const Loop& l = loops[k];
     const Vec3 first = (position(l[0]) - origin) / size;
     for (std::size_t i = 1; i + 1 < l.size(); ++i) {
-      const Vec3 u = (position(l[i]) - origin) / size - first, v = (position(l[i + 1]) - origin) / size - first;
+      const Vec3 u = (position(l[i]) - origin) / size - first,
+                 v = (position(l[i + 1]) - origin) / size - first;
       n += u.cross(v);
       magnitude += u.norm() * v.norm();
     }
@@ -62,7 +66,8 @@ Fit fit_plane(const Loops& loops, const Position& position) {
     sum += n;
   }
   const double length = sum.norm();
-  // Every term of a cross product carries at most five roundings of its own and one for each addition behind it.
+  // Every term of a cross product carries at most five roundings of its own and one for each
+  // addition behind it.
   out.zero = length <= (8.0 + static_cast<double>(loops[0].size())) * unit_roundoff * magnitude;
   if (out.zero) return out;
   out.plane.normal = sum / length;
@@ -70,11 +75,14 @@ Fit fit_plane(const Loops& loops, const Position& position) {
   out.plane.point = origin;
   out.plane.flatness = 0;
   for (const Loop& l : loops) {
-    for (const std::uint32_t v : l) out.plane.flatness = std::max(out.plane.flatness, std::abs(out.plane.normal.dot(position(v) - origin)));
+    for (const std::uint32_t v : l)
+      out.plane.flatness =
+          std::max(out.plane.flatness, std::abs(out.plane.normal.dot(position(v) - origin)));
   }
   out.area = length / 2 * size * size;
   // Over the face's least width, which is no less than area / diameter.
-  out.plane.tilt = (out.plane.flatness + 8 * unit_roundoff * size) / size / (length / 2 / (out.diameter / size));
+  out.plane.tilt =
+      (out.plane.flatness + 8 * unit_roundoff * size) / size / (length / 2 / (out.diameter / size));
   if (out.area == 0) out.zero = true;
   return out;
 }
@@ -83,7 +91,8 @@ Vec3 world(const Pose& pose, const Vec3& local) {
   return (pose * local).unaryExpr([](double c) { return c == 0 ? 0.0 : c; });  // one zero
 }
 
-// Straight down the normal's largest component: those coordinates are the input's own, so every turn of a loop of them is exact.
+// Straight down the normal's largest component: those coordinates are the input's own, so every
+// turn of a loop of them is exact.
 Vec2 flattened(const Vec3& v, const Vec3& normal) {
   Eigen::Index drop;
   normal.cwiseAbs().maxCoeff(&drop);
@@ -92,7 +101,8 @@ Vec2 flattened(const Vec3& v, const Vec3& normal) {
 
 class Door {
  public:
-  Door(const Mesh& mesh, const Pose& pose, const Tolerances& tolerances) : mesh_(mesh), pose_(pose), tolerances_(tolerances) {
+  Door(const Mesh& mesh, const Pose& pose, const Tolerances& tolerances)
+      : mesh_(mesh), pose_(pose), tolerances_(tolerances) {
     mirrored_ = pose.linear().determinant() < 0;
     weld();
   }
@@ -100,24 +110,28 @@ class Door {
   Admitted run() {
     IdTable edge_ids(mesh_.face_count() * 2);
     IdTable known(mesh_.face_count());
-    std::vector<std::uint64_t> hashes;                   // by kept outline
-    std::vector<std::uint32_t> outline_begin{0}, cycle;  // kept outlines, each turned to begin with its smallest corner
+    std::vector<std::uint64_t> hashes;  // by kept outline
+    // kept outlines, each turned to begin with its smallest corner
+    std::vector<std::uint32_t> outline_begin{0}, cycle;
     for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
       Face face{0, f, static_cast<std::uint32_t>(facets.size()), 0, 0.0};
       if (take_loops(f)) {
         const std::size_t begin = cycle.size();
         for (const Loop& l : loops_) {
           const auto smallest = std::min_element(l.begin(), l.end()) - l.begin();
-          for (std::size_t i = 0; i < l.size(); ++i) cycle.push_back(l[(static_cast<std::size_t>(smallest) + i) % l.size()]);
+          for (std::size_t i = 0; i < l.size(); ++i)
+            cycle.push_back(l[(static_cast<std::size_t>(smallest) + i) % l.size()]);
         }
         std::uint64_t hash = loops_.size();
         for (std::size_t i = begin; i < cycle.size(); ++i) hash = mix(hash + cycle[i]);
         const auto next = static_cast<std::uint32_t>(hashes.size());
         const auto same = [&](std::uint32_t id) {
-          return std::equal(cycle.begin() + outline_begin[id], cycle.begin() + outline_begin[id + 1],
+          return std::equal(cycle.begin() + outline_begin[id],
+                            cycle.begin() + outline_begin[id + 1],
                             cycle.begin() + static_cast<std::ptrdiff_t>(begin), cycle.end());
         };
-        if (known.find_or_add(hash, next, same, [&](std::uint32_t id) { return hashes[id]; }) != next) {
+        if (known.find_or_add(hash, next, same, [&](std::uint32_t id) { return hashes[id]; }) !=
+            next) {
           report(f, Reason::duplicate);
           cycle.resize(begin);
         } else {
@@ -174,7 +188,8 @@ class Door {
       Loop& out = loops_[k];
       out.clear();
       for (const std::uint32_t i : mesh_.loop(f, k)) {
-        if (i >= vertex_of_.size()) return report(f, Reason::index_out_of_range, "index " + std::to_string(i)), false;
+        if (i >= vertex_of_.size())
+          return report(f, Reason::index_out_of_range, "index " + std::to_string(i)), false;
         if (vertex_of_[i] == none) return report(f, Reason::non_finite), false;
         if (!out.empty() && out.back() == vertex_of_[i]) {
           repeated = true;
@@ -185,7 +200,8 @@ class Door {
       while (out.size() > 1 && out.front() == out.back()) out.pop_back(), repeated = true;
       Loop distinct = out;
       std::sort(distinct.begin(), distinct.end());
-      if (std::unique(distinct.begin(), distinct.end()) - distinct.begin() < 3) return report(f, Reason::too_few_corners), false;
+      if (std::unique(distinct.begin(), distinct.end()) - distinct.begin() < 3)
+        return report(f, Reason::too_few_corners), false;
       if (mirrored_) std::reverse(out.begin(), out.end());
     }
     if (loops_.empty()) return report(f, Reason::too_few_corners), false;
@@ -216,9 +232,11 @@ class Door {
       }
     }
     const bool is_flat = whole.plane.flatness <= tolerances_.flatness * whole.diameter;
-    for (const Loop& l : loops_) {  // out and back along one edge: nothing that a bridge to a hole would do
+    // out and back along one edge: nothing that a bridge to a hole would do
+    for (const Loop& l : loops_) {
       for (std::size_t i = 0; i < l.size(); ++i) {
-        if (l[i] == l[(i + 2) % l.size()]) return report(f, Reason::self_intersecting, "it turns back on itself");
+        if (l[i] == l[(i + 2) % l.size()])
+          return report(f, Reason::self_intersecting, "it turns back on itself");
       }
     }
     std::vector<Loop> parts;
@@ -229,8 +247,8 @@ class Door {
     }
     if (!is_flat && whole.plane.flatness > 0 && parts.size() > 1) {
       char detail[80];
-      std::snprintf(detail, sizeof detail, "a corner lies %.3g off the plane, %.3g of the diameter", whole.plane.flatness,
-                    whole.plane.flatness / whole.diameter);
+      std::snprintf(detail, sizeof detail, "a corner lies %.3g off the plane, %.3g of the diameter",
+                    whole.plane.flatness, whole.plane.flatness / whole.diameter);
       report(f, Reason::not_flat, detail);
     }
     if (is_flat) planes.push_back(whole.plane);
@@ -239,11 +257,13 @@ class Door {
       const Fit own = fit(std::span(&part, 1));
       if (own.zero) continue;  // a sliver that only rounding sees: it has no area to be lit
       if (!is_flat) planes.push_back(own.plane);
-      facets.push_back({0, static_cast<std::uint32_t>(planes.size() - 1), static_cast<std::uint32_t>(corners.size()),
+      facets.push_back({0, static_cast<std::uint32_t>(planes.size() - 1),
+                        static_cast<std::uint32_t>(corners.size()),
                         static_cast<std::uint32_t>(part.size())});
       ++face.facet_count;
       face.area += own.area;
-      for (std::size_t i = 0; i < part.size(); ++i) corners.push_back({part[i], edge_id(edge_ids, part[i], part[(i + 1) % part.size()])});
+      for (std::size_t i = 0; i < part.size(); ++i)
+        corners.push_back({part[i], edge_id(edge_ids, part[i], part[(i + 1) % part.size()])});
     }
     if (face.facet_count == 0) report(f, Reason::zero_area);
   }
@@ -259,11 +279,13 @@ class Door {
     return (id << 1) | (from > to ? 1u : 0u);
   }
 
-  // The outline, not the facets, says what a face is joined to: cutting may have left out straight corners.
+  // The outline, not the facets, says what a face is joined to: cutting may have left out straight
+  // corners.
   void note_connectivity(IdTable& edge_ids) {
     outline_face_.push_back(static_cast<std::uint32_t>(outline_.size()));
     for (const Loop& l : loops_) {
-      for (std::size_t i = 0; i < l.size(); ++i) outline_.push_back(edge_id(edge_ids, l[i], l[(i + 1) % l.size()]));
+      for (std::size_t i = 0; i < l.size(); ++i)
+        outline_.push_back(edge_id(edge_ids, l[i], l[(i + 1) % l.size()]));
     }
   }
 
@@ -272,9 +294,12 @@ class Door {
     double sixfold = 0;
     for (std::uint32_t k = 0; k < face.facet_count; ++k) {
       const Facet& facet = facets[face.first_facet + k];
-      const auto corner = [&](std::uint32_t i) { return ((vertices[corners[facet.first_corner + i].vertex] - from) / size).eval(); };
+      const auto corner = [&](std::uint32_t i) {
+        return ((vertices[corners[facet.first_corner + i].vertex] - from) / size).eval();
+      };
       const Vec3 a = corner(0);
-      for (std::uint32_t i = 1; i + 1 < facet.corner_count; ++i) sixfold += a.dot(corner(i).cross(corner(i + 1)));
+      for (std::uint32_t i = 1; i + 1 < facet.corner_count; ++i)
+        sixfold += a.dot(corner(i).cross(corner(i + 1)));
     }
     return sixfold;
   }
@@ -308,8 +333,8 @@ class Door {
       if ((forward[e] == none) != (backward[e] == none)) closed = false;
       if (forward[e] != none && backward[e] != none) part[find(forward[e])] = find(backward[e]);
     }
-    // Every part's volume, seen from a corner of its own and in units of its own size: parts far apart or of very different size do not
-    // disturb each other.
+    // Every part's volume, seen from a corner of its own and in units of its own size: parts far
+    // apart or of very different size do not disturb each other.
     std::vector<Eigen::AlignedBox3d> box(faces.size());
     const auto corner_of = [&](const Face& face, std::uint32_t i) -> const Vec3& {
       return vertices[corners[facets[face.first_facet].first_corner + i].vertex];
@@ -317,13 +342,16 @@ class Door {
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
       for (std::uint32_t k = 0; k < faces[f].facet_count; ++k) {
         const Facet& facet = facets[faces[f].first_facet + k];
-        for (std::uint32_t i = 0; i < facet.corner_count; ++i) box[find(f)].extend(vertices[corners[facet.first_corner + i].vertex]);
+        for (std::uint32_t i = 0; i < facet.corner_count; ++i)
+          box[find(f)].extend(vertices[corners[facet.first_corner + i].vertex]);
       }
     }
     std::vector<double> sixfold(faces.size(), 0.0);
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
       const std::uint32_t root = find(f);
-      if (outline_face_[f] != none) sixfold[root] += sixfold_cone(faces[f], corner_of(faces[root], 0), box[root].sizes().maxCoeff());
+      if (outline_face_[f] != none)
+        sixfold[root] +=
+            sixfold_cone(faces[f], corner_of(faces[root], 0), box[root].sizes().maxCoeff());
     }
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
       if (outline_face_[f] == none || find(f) != f) continue;
@@ -334,8 +362,8 @@ class Door {
     closed = closed && any;
   }
 
-  // Which faces were meant to lie in one plane is asked of the mesh as it was given, so that no motion of the object changes it. Only a
-  // pose that distorts may turn apart what is nearly one.
+  // Which faces were meant to lie in one plane is asked of the mesh as it was given, so that no
+  // motion of the object changes it. Only a pose that distorts may turn apart what is nearly one.
   void share_planes() {
     std::vector<Patch> patches;
     for (std::uint32_t k = 0; k < facets.size(); ++k) {
@@ -347,9 +375,11 @@ class Door {
     std::vector<Membership> members(patches.size());
     for (std::uint32_t i = 0; i < members.size(); ++i) members[i] = {i, false};
     if (tolerances_.coplanarity > 0) {
-      members = find_groups({facets, corners, local_}, patches, tolerances_.coplanarity, std::sqrt(tolerances_.coplanarity) / distortion());
+      members = find_groups({facets, corners, local_}, patches, tolerances_.coplanarity,
+                            std::sqrt(tolerances_.coplanarity) / distortion());
     }
-    const std::vector<Plane> common = common_planes({facets, corners, vertices}, patches, own, members);
+    const std::vector<Plane> common =
+        common_planes({facets, corners, vertices}, patches, own, members);
 
     std::vector<std::uint32_t> size(patches.size(), 0);  // of groups, by leader
     for (const Membership& m : members) ++size[m.leader];
@@ -359,17 +389,20 @@ class Door {
       const auto next = static_cast<std::uint32_t>(planes.size());
       std::uint32_t plane = next;
       if (size[members[i].leader] > 1) {
-        // A light nearer to a plane than its tilt sees it edge-on: what is much narrower must not say so for the rest.
+        // A light nearer to a plane than its tilt sees it edge-on: what is much narrower must not
+        // say so for the rest.
         const double wider = common[i].tilt / common[members[i].leader].tilt;
         const int narrowness = std::max(std::ilogb(wider), 0) / 6;
-        plane = shared.emplace(std::tuple(members[i].leader, members[i].opposite, narrowness), next).first->second;
+        plane = shared.emplace(std::tuple(members[i].leader, members[i].opposite, narrowness), next)
+                    .first->second;
       }
       if (plane == next) {
         planes.push_back(common[i]);
         origins.push_back({patches[members[i].leader].first_facet, members[i].opposite});
       }
       planes[plane].tilt = std::max(planes[plane].tilt, common[i].tilt);
-      for (std::uint32_t k = patches[i].first_facet; k < patches[i].end_facet; ++k) facets[k].plane = plane;
+      for (std::uint32_t k = patches[i].first_facet; k < patches[i].end_facet; ++k)
+        facets[k].plane = plane;
       note_alignment(patches[i], common[i], own[i]);
     }
   }
@@ -403,14 +436,16 @@ class Door {
   double signed_volume = 0;
   std::uint32_t aligned = 0;
   double aligned_by = 0;
-  std::vector<std::uint32_t> vertex_of_;               // of the mesh -> welded; none: not finite
-  std::vector<Loop> loops_;                            // of the face at hand
-  std::vector<Vec2> points_;                           // of the face at hand, flattened
-  std::vector<std::uint32_t> outline_, outline_face_;  // directed edges of the kept outlines; where each face's begin
+  std::vector<std::uint32_t> vertex_of_;  // of the mesh -> welded; none: not finite
+  std::vector<Loop> loops_;               // of the face at hand
+  std::vector<Vec2> points_;              // of the face at hand, flattened
+  // directed edges of the kept outlines; where each face's begin
+  std::vector<std::uint32_t> outline_, outline_face_;
 };
 
 // The planes of an object whose faces are one facet each.
-void carry_planes(const Figure& figure, std::vector<Plane>& own, std::span<const PlaneOrigin> origins, std::uint32_t first_plane,
+void carry_planes(const Figure& figure, std::vector<Plane>& own,
+                  std::span<const PlaneOrigin> origins, std::uint32_t first_plane,
                   std::vector<Plane>& out) {
   std::vector<Patch> patches;
   std::vector<Membership> members;
@@ -433,10 +468,13 @@ void carry_planes(const Figure& figure, std::vector<Plane>& own, std::span<const
 
 }  // namespace
 
-bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of, std::span<const PlaneOrigin> origins, const Pose& to,
-           const Tolerances& tolerances, const Scene& scene, const Object& object, std::uint32_t first_plane, Carried& out) {
+bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of,
+           std::span<const PlaneOrigin> origins, const Pose& to, const Tolerances& tolerances,
+           const Scene& scene, const Object& object, std::uint32_t first_plane, Carried& out) {
   const Eigen::Matrix3d turn = to.linear() * object.pose.linear().inverse();
-  if (!((turn.transpose() * turn - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-9) || !(turn.determinant() > 0)) return false;
+  if (!((turn.transpose() * turn - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-9) ||
+      !(turn.determinant() > 0))
+    return false;
   out.vertices.resize(object.vertex_count);
   std::uint32_t next = 0;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -449,9 +487,11 @@ bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of, std::span
     }
   }
   IdTable apart(out.vertices.size());
-  for (std::uint32_t i = 0; i < out.vertices.size(); ++i) {  // what was two places may have become one
+  // what was two places may have become one
+  for (std::uint32_t i = 0; i < out.vertices.size(); ++i) {
     const auto same = [&](std::uint32_t j) { return out.vertices[j] == out.vertices[i]; };
-    if (apart.find_or_add(hash_position(out.vertices[i]), i, same, [&](std::uint32_t j) { return hash_position(out.vertices[j]); }) != i)
+    if (apart.find_or_add(hash_position(out.vertices[i]), i, same,
+                          [&](std::uint32_t j) { return hash_position(out.vertices[j]); }) != i)
       return false;
   }
   std::vector<Plane> own;  // by facet, which is by face here
@@ -468,8 +508,10 @@ bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of, std::span
   for (const Face& face : scene.faces().subspan(object.first_face, object.face_count)) {
     if (face.facet_count != 1) return false;
     loops.loop.clear();
-    for (const Corner& c : scene.corners_of(scene.facets()[face.first_facet])) loops.loop.push_back(c.vertex - object.first_vertex);
-    const Fit fit = fit_plane(loops, [&](std::uint32_t v) -> const Vec3& { return out.vertices[v]; });
+    for (const Corner& c : scene.corners_of(scene.facets()[face.first_facet]))
+      loops.loop.push_back(c.vertex - object.first_vertex);
+    const Fit fit =
+        fit_plane(loops, [&](std::uint32_t v) -> const Vec3& { return out.vertices[v]; });
     if (fit.zero || !std::isfinite(fit.diameter) || !std::isfinite(fit.area)) return false;
     const std::size_t n = loops.loop.size();
     if (n > 3 && !(fit.plane.flatness <= tolerances.flatness * fit.diameter)) return false;
@@ -484,10 +526,13 @@ bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of, std::span
     out.areas.push_back(fit.area);
   }
   const auto facets = scene.facets().subspan(object.first_facet, object.facet_count);
-  carry_planes({facets, scene.corners(), out.vertices, object.first_vertex}, own, origins, first_plane, out.planes);
+  carry_planes({facets, scene.corners(), out.vertices, object.first_vertex}, own, origins,
+               first_plane, out.planes);
   return true;
 }
 
-Admitted admit(const Mesh& mesh, const Pose& pose, const Tolerances& tolerances) { return Door(mesh, pose, tolerances).run(); }
+Admitted admit(const Mesh& mesh, const Pose& pose, const Tolerances& tolerances) {
+  return Door(mesh, pose, tolerances).run();
+}
 
 }  // namespace shadowcut

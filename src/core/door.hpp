@@ -12,10 +12,12 @@ struct Tolerances {
   double flatness, coplanarity;
 };
 
-inline constexpr std::size_t max_edges = std::size_t{1} << 29;  // an edge's line id leaves room for its flags in 32 bits
+// an edge's line id leaves room for its flags in 32 bits
+inline constexpr std::size_t max_edges = std::size_t{1} << 29;
 
-// Whose plane it is: that of the facet, or one through the corners of all facets whose planes name this one; its front is the facet's, or
-// the opposite side. Facets of one group have several planes where they look to both sides, and where they are of very different tilt.
+// Whose plane it is: that of the facet, or one through the corners of all facets whose planes name
+// this one; its front is the facet's, or the opposite side. Facets of one group have several planes
+// where they look to both sides, and where they are of very different tilt.
 struct PlaneOrigin {
   std::uint32_t facet;
   bool opposite;
@@ -45,10 +47,11 @@ struct Carried {
   std::vector<Plane> planes;  // by the object's planes
   std::vector<double> areas;  // by face
 };
-// False when more than that may change, so that admit() has to look at everything again: the motion is not rigid, a face is not one facet,
-// positions are welded otherwise, a face is no longer flat or convex. Facets that share a plane go on doing so: `first_plane` is that of
-// the object's.
-bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of, std::span<const PlaneOrigin> origins, const Pose& to,
-           const Tolerances& tolerances, const Scene& scene, const Object& object, std::uint32_t first_plane, Carried& out);
+// False when more than that may change, so that admit() has to look at everything again: the motion
+// is not rigid, a face is not one facet, positions are welded otherwise, a face is no longer flat
+// or convex. Facets that share a plane go on doing so: `first_plane` is that of the object's.
+bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of,
+           std::span<const PlaneOrigin> origins, const Pose& to, const Tolerances& tolerances,
+           const Scene& scene, const Object& object, std::uint32_t first_plane, Carried& out);
 
 }  // namespace shadowcut

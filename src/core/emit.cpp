@@ -1,6 +1,7 @@
-// A face's fragments lie at its locations in the tree. A piece behind a PP-node is one shadowed fragment. A piece on a PP-node (its owner,
-// or coplanar with it) is cut by what stands in front: the SP-nodes of the front subtree down to the next PP-nodes. Leaves there are lit,
-// the regions of those PP-nodes are shadowed by their faces.
+// A face's fragments lie at its locations in the tree. A piece behind a PP-node is one shadowed
+// fragment. A piece on a PP-node (its owner, or coplanar with it) is cut by what stands in front:
+// the SP-nodes of the front subtree down to the next PP-nodes. Leaves there are lit, the regions of
+// those PP-nodes are shadowed by their faces.
 
 #include "emit.hpp"
 
@@ -33,7 +34,8 @@ void for_each_node_upward(const CellTree& tree, const F& f) {
   }
 }
 
-// In the facet's plane. Where a light nearly touches it the numbers may have no such point: then any of the facet's will do.
+// In the facet's plane. Where a light nearly touches it the numbers may have no such point: then
+// any of the facet's will do.
 Vec3 on_plane(const EmitTarget& target, std::uint32_t facet_id, const Real r[3]) {
   const Facet& facet = target.scene.facets()[facet_id];
   const Vec3 x = target.space.back(r, target.tables.planes[facet.plane].q);
@@ -46,7 +48,8 @@ const Vec3& normal_of(const EmitTarget& target, std::uint32_t facet) {
 
 class CellEmitter {
  public:
-  CellEmitter(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target, Workspace& w, CellOutput& out)
+  CellEmitter(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target,
+              Workspace& w, CellOutput& out)
       : tree_(tree),
         cell_(cell),
         target_(target),
@@ -76,20 +79,22 @@ class CellEmitter {
           emit_in_front(p, front);
         }
       } else {
-        emit_piece(p, none, piece.kind == Piece::Kind::at_leaf ? lit_state : owner_face(tree_, piece.place));
+        emit_piece(p, none,
+                   piece.kind == Piece::Kind::at_leaf ? lit_state : owner_face(tree_, piece.place));
       }
     }
     release();
   }
 
  private:
-  // A facet's pieces together, in the order in which filtering cut it, depth first. In a tree just built that is the order of their
-  // indices; edits use indices again.
+  // A facet's pieces together, in the order in which filtering cut it, depth first. In a tree just
+  // built that is the order of their indices; edits use indices again.
   std::vector<std::uint32_t> order() const {
     std::vector<std::uint32_t> order(pieces_.size());
     std::iota(order.begin(), order.end(), 0u);
     if (!target_.tables.edits) return order;
-    std::vector<std::uint32_t> rank(nodes_.size() + 1, 0);  // of nodes, from the root down, positive side first
+    // of nodes, from the root down, positive side first
+    std::vector<std::uint32_t> rank(nodes_.size() + 1, 0);
     std::vector<Child> pending{tree_.root()};
     std::uint32_t next = 0;
     while (!pending.empty()) {
@@ -102,10 +107,14 @@ class CellEmitter {
     }
     const auto key = [&](std::uint32_t p) {
       const Piece& piece = pieces_[p];
-      const std::uint32_t node = piece.kind != Piece::Kind::at_leaf ? piece.place : piece.place == root_place ? 0 : piece.place >> 1;
-      return std::tuple(piece.facet, piece.kind == Piece::Kind::free ? 0 : rank[node], piece.place & 1, piece.kind);
+      const std::uint32_t node = piece.kind != Piece::Kind::at_leaf ? piece.place
+                                 : piece.place == root_place        ? 0
+                                                                    : piece.place >> 1;
+      return std::tuple(piece.facet, piece.kind == Piece::Kind::free ? 0 : rank[node],
+                        piece.place & 1, piece.kind);
     };
-    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
     return order;
   }
 
@@ -129,14 +138,17 @@ class CellEmitter {
     hold(pieces_[p].facet, tree_.corners(pieces_[p]), p, place, state);
   }
 
-  // A facet's fragments come in the order in which filtering cut it, depth first: the two sides of a cut stand side by side once each is in
-  // one. So holding them on a stack and joining the two on top as long as they join reunites every cut whose sides came to the same state
-  // (Slater 1992, figure 6).
-  void hold(std::uint32_t facet, std::span<const ConeCorner> corners, std::uint32_t piece, std::uint32_t place, std::uint32_t state) {
+  // A facet's fragments come in the order in which filtering cut it, depth first: the two sides of
+  // a cut stand side by side once each is in one. So holding them on a stack and joining the two on
+  // top as long as they join reunites every cut whose sides came to the same state (Slater 1992,
+  // figure 6).
+  void hold(std::uint32_t facet, std::span<const ConeCorner> corners, std::uint32_t piece,
+            std::uint32_t place, std::uint32_t state) {
     if (!merge_) return emit_polygon(facet, corners, piece, place, state);
     if (facet != held_facet_) release();
     held_facet_ = facet;
-    held_.push_back({static_cast<std::uint32_t>(held_corners_.size()), static_cast<std::uint32_t>(corners.size()), piece, place, state});
+    held_.push_back({static_cast<std::uint32_t>(held_corners_.size()),
+                     static_cast<std::uint32_t>(corners.size()), piece, place, state});
     held_corners_.insert(held_corners_.end(), corners.begin(), corners.end());
     while (held_.size() > 1 && join_top()) {
     }
@@ -144,19 +156,23 @@ class CellEmitter {
 
   void release() {
     for (const Held& h : held_) {
-      emit_polygon(held_facet_, std::span<const ConeCorner>(held_corners_).subspan(h.first, h.count), h.piece, h.place, h.state);
+      emit_polygon(held_facet_,
+                   std::span<const ConeCorner>(held_corners_).subspan(h.first, h.count), h.piece,
+                   h.place, h.state);
     }
     held_.clear();
     held_corners_.clear();
   }
 
-  // Joins the two polygons on top of the stack if they are in like states, meet in a whole edge of both, and their union is convex.
+  // Joins the two polygons on top of the stack if they are in like states, meet in a whole edge of
+  // both, and their union is convex.
   bool join_top() {
     Held& a = held_[held_.size() - 2];
     const Held& b = held_.back();
     const std::span<const ConeCorner> corners = held_corners_;
     if (!alike_states(target_.scene, a.state, b.state) ||
-        !unite(corners.subspan(a.first, a.count), corners.subspan(b.first, b.count), held_facet_, none, lines_, joined_))
+        !unite(corners.subspan(a.first, a.count), corners.subspan(b.first, b.count), held_facet_,
+               none, lines_, joined_))
       return false;
     held_corners_.resize(a.first);
     held_corners_.insert(held_corners_.end(), joined_.begin(), joined_.end());
@@ -166,27 +182,35 @@ class CellEmitter {
   }
 
   // Counter-clockwise seen from the light.
-  void emit_polygon(std::uint32_t facet_id, std::span<const ConeCorner> cone, std::uint32_t piece, std::uint32_t place,
-                    std::uint32_t state) {
+  void emit_polygon(std::uint32_t facet_id, std::span<const ConeCorner> cone, std::uint32_t piece,
+                    std::uint32_t place, std::uint32_t state) {
     const Facet& facet = target_.scene.facets()[facet_id];
     const auto count = static_cast<std::uint32_t>(cone.size());
     auto& corners = out_.block.corners;
     const std::size_t first = corners.size();
     corners.resize(first + count);
-    const double area = place_polygon(target_, lines_, facet_id, cone, w_.points, corners.data() + first);
+    const double area =
+        place_polygon(target_, lines_, facet_id, cone, w_.points, corners.data() + first);
     if (target_.constructions) note_constructions(target_, lines_, cone, first, out_.block);
     const bool lit = state == lit_state;
-    out_.block.fragments.push_back(
-        {{cell_, piece, place}, facet.face, facet_id, lit ? none : state, static_cast<std::uint32_t>(first), count, lit, area});
+    out_.block.fragments.push_back({{cell_, piece, place},
+                                    facet.face,
+                                    facet_id,
+                                    lit ? none : state,
+                                    static_cast<std::uint32_t>(first),
+                                    count,
+                                    lit,
+                                    area});
     if (!target_.keep_lines) return;
     for (std::uint32_t k = 0; k < count; ++k) {
       // The edge that leaves corner k in this order.
-      out_.edge_lines.push_back(name_of_line(facet.face, cone[reversed_ ? (2 * count - 2 - k) % count : k].edge.line()));
+      out_.edge_lines.push_back(
+          name_of_line(facet.face, cone[reversed_ ? (2 * count - 2 - k) % count : k].edge.line()));
     }
   }
 
-  // One name for a line wherever it is met: of the object's own edges their index, of others' lines and the cell's own what sets them
-  // apart.
+  // One name for a line wherever it is met: of the object's own edges their index, of others' lines
+  // and the cell's own what sets them apart.
   std::uint64_t name_of_line(std::uint32_t face, std::uint32_t line) const {
     if (line >= first_local_line) return static_cast<std::uint64_t>(cell_ + 1) << 32 | line;
     const std::uint32_t o = target_.scene.faces()[face].object;
@@ -218,13 +242,16 @@ std::vector<std::uint32_t> find_states(const CellTree& tree, const Scene& scene)
   std::vector<std::uint32_t> states(tree.nodes().size(), mixed_state);
   for_each_node_upward(tree, [&](std::uint32_t node, bool is_sp) {
     const auto& child = tree.nodes()[node].child;
-    if (is_sp) states[node] = joint_state(scene, state_of(tree, states, child[0]), state_of(tree, states, child[1]));
+    if (is_sp)
+      states[node] =
+          joint_state(scene, state_of(tree, states, child[0]), state_of(tree, states, child[1]));
   });
   return states;
 }
 
-// The region of a face is its plane cut by its cone. Where its corners are flat only up to rounding, corners and region differ by as much,
-// and by more where the light nearly lies in the plane; areas are the region's, so that they add up. Elsewhere its vertices will do.
+// The region of a face is its plane cut by its cone. Where its corners are flat only up to
+// rounding, corners and region differ by as much, and by more where the light nearly lies in the
+// plane; areas are the region's, so that they add up. Elsewhere its vertices will do.
 bool corners_will_do(const EmitTarget& target, std::uint32_t facet) {
   constexpr double flat = 900 * roundoff;
   const double flatness = target.scene.planes()[target.scene.facets()[facet].plane].flatness;
@@ -235,8 +262,8 @@ bool corners_will_do(const EmitTarget& target, std::uint32_t facet) {
 namespace {
 
 // The exact kernel's corners are the true ones, rounded.
-double place_exactly(const EmitTarget& target, const Lines& lines, std::uint32_t facet_id, std::span<const ConeCorner> cone,
-                     PointCache& points, Vec3* out) {
+double place_exactly(const EmitTarget& target, const Lines& lines, std::uint32_t facet_id,
+                     std::span<const ConeCorner> cone, PointCache& points, Vec3* out) {
   const auto count = static_cast<std::uint32_t>(cone.size());
   const bool reversed = target.space.handedness() < 0;
   const auto own = target.scene.corners_of(target.scene.facets()[facet_id]);
@@ -244,7 +271,9 @@ double place_exactly(const EmitTarget& target, const Lines& lines, std::uint32_t
   const auto vertex = [&](std::uint32_t i) {
     if (cone[i].vertex != none) return cone[i].vertex;
     const std::uint32_t v = lines.shared_vertex(incoming(cone, i), cone[i].edge);
-    return std::any_of(own.begin(), own.end(), [v](const Corner& c) { return c.vertex == v; }) ? v : none;
+    return std::any_of(own.begin(), own.end(), [v](const Corner& c) { return c.vertex == v; })
+               ? v
+               : none;
   };
   const auto at = [&](std::uint32_t i) { return lines.point(cone, i, facet_id, points); };
   for (std::uint32_t k = 0; k < count; ++k) {
@@ -260,8 +289,8 @@ double place_exactly(const EmitTarget& target, const Lines& lines, std::uint32_t
 
 }  // namespace
 
-double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t facet_id, std::span<const ConeCorner> cone,
-                     PointCache& points, Vec3* out) {
+double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t facet_id,
+                     std::span<const ConeCorner> cone, PointCache& points, Vec3* out) {
   if (lines.is_exact()) return place_exactly(target, lines, facet_id, cone, points, out);
   const std::size_t count = cone.size();
   const bool reversed = target.space.handedness() < 0;
@@ -278,7 +307,9 @@ double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t
     // Every corner has a part in it: no point at infinity hides from it.
     if (const double area = sum.area(normal_of(target, facet_id)); std::isfinite(area)) return area;
   }
-  const auto at = [&](std::size_t k) { return on_plane(target, facet_id, cone[reversed ? count - 1 - k : k].r); };
+  const auto at = [&](std::size_t k) {
+    return on_plane(target, facet_id, cone[reversed ? count - 1 - k : k].r);
+  };
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint32_t v = cone[reversed ? count - 1 - k : k].vertex;
     out[k] = v == none ? at(k) : vertices[v];
@@ -288,7 +319,8 @@ double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t
   return sum.area(normal_of(target, facet_id));
 }
 
-void note_constructions(const EmitTarget& target, const Lines& lines, std::span<const ConeCorner> cone, std::size_t first, Block& block) {
+void note_constructions(const EmitTarget& target, const Lines& lines,
+                        std::span<const ConeCorner> cone, std::size_t first, Block& block) {
   block.constructions.resize(block.corners.size());
   const auto count = static_cast<std::uint32_t>(cone.size());
   const bool reversed = target.space.handedness() < 0;
@@ -306,7 +338,8 @@ double area_of_facet(const EmitTarget& target, std::uint32_t facet_id, bool in_l
   const auto corner = [&](const Corner& c) -> Vec3 {
     const Vec3& vertex = target.scene.vertices()[c.vertex];
     if (!project) return vertex;
-    if (target.tables.exact) return target.tables.exact->point(plane, {&vertex, false, nullptr, nullptr, false, false});
+    if (target.tables.exact)
+      return target.tables.exact->point(plane, {&vertex, false, nullptr, nullptr, false, false});
     return on_plane(target, facet_id, target.tables.rays[c.vertex].r);
   };
   const auto corners = target.scene.corners_of(facet);
@@ -315,7 +348,8 @@ double area_of_facet(const EmitTarget& target, std::uint32_t facet_id, bool in_l
   return sum.area(plane.normal);
 }
 
-void emit_cell(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target, Workspace& w, CellOutput& out) {
+void emit_cell(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target,
+               Workspace& w, CellOutput& out) {
   CellEmitter(tree, cell, merge, target, w, out).run();
 }
 

@@ -12,8 +12,8 @@ namespace shadowcut::SHADOWCUT_NUMBERS {
 // A block with what later stages need of each corner and fragment.
 struct CellOutput {
   Block block;
-  // By corner, in the block's order: the line of the edge that leaves it; lines of a cell's own are told apart by the cell. Only filled for
-  // the conforming form.
+  // By corner, in the block's order: the line of the edge that leaves it; lines of a cell's own are
+  // told apart by the cell. Only filled for the conforming form.
   std::vector<std::uint64_t> edge_lines;
 };
 
@@ -29,7 +29,8 @@ struct EmitTarget {
 inline constexpr std::uint32_t lit_state = none;
 inline constexpr std::uint32_t mixed_state = none - 1;
 
-// Whether fragments in these states may be handed out as one: both lit, or both shadowed by faces of one object.
+// Whether fragments in these states may be handed out as one: both lit, or both shadowed by faces
+// of one object.
 inline bool alike_states(const Scene& scene, std::uint32_t a, std::uint32_t b) {
   if (a == b) return true;
   if (a >= mixed_state || b >= mixed_state) return false;
@@ -46,8 +47,12 @@ inline std::uint32_t owner_face(const CellTree& tree, std::uint32_t pp) {
 }
 
 // Of a branch, with those of the SP-nodes; without any, SP-nodes count as mixed.
-inline std::uint32_t state_of(const CellTree& tree, std::span<const std::uint32_t> of_nodes, Child c) {
-  return c.is_out() ? lit_state : c.is_pp() ? owner_face(tree, c.node()) : of_nodes.empty() ? mixed_state : of_nodes[c.node()];
+inline std::uint32_t state_of(const CellTree& tree, std::span<const std::uint32_t> of_nodes,
+                              Child c) {
+  return c.is_out()         ? lit_state
+         : c.is_pp()        ? owner_face(tree, c.node())
+         : of_nodes.empty() ? mixed_state
+                            : of_nodes[c.node()];
 }
 // By SP-node.
 std::vector<std::uint32_t> find_states(const CellTree& tree, const Scene& scene);
@@ -58,8 +63,8 @@ inline bool hands_out(const EmitTarget& target, const Piece& piece) {
          target.scene.objects()[target.tables.object_of(piece.facet)].receives;
 }
 
-// The area of a polygon handed over corner by corner, as its part along the plane's normal: linear in the corners, so the areas of parts
-// add up.
+// The area of a polygon handed over corner by corner, as its part along the plane's normal: linear
+// in the corners, so the areas of parts add up.
 class AreaSum {
  public:
   explicit AreaSum(const Vec3& first) : origin_(first) {}
@@ -77,17 +82,22 @@ class AreaSum {
 // Whether a facet's area can be taken from its corners.
 bool corners_will_do(const EmitTarget& target, std::uint32_t facet);
 
-// A polygon of a facet into world space: counter-clockwise seen from the light, as many corners as the cone has. Returns its area.
-double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t facet, std::span<const ConeCorner> cone,
-                     PointCache& points, Vec3* out);
+// A polygon of a facet into world space: counter-clockwise seen from the light, as many corners as
+// the cone has. Returns its area.
+double place_polygon(const EmitTarget& target, const Lines& lines, std::uint32_t facet,
+                     std::span<const ConeCorner> cone, PointCache& points, Vec3* out);
 
 // What its corners are, from corner `first` of the block on.
-void note_constructions(const EmitTarget& target, const Lines& lines, std::span<const ConeCorner> cone, std::size_t first, Block& block);
+void note_constructions(const EmitTarget& target, const Lines& lines,
+                        std::span<const ConeCorner> cone, std::size_t first, Block& block);
 
-// The area of a facet's region: in_light, its plane cut by its cone of light (for facets that entered); otherwise what its corners enclose.
+// The area of a facet's region: in_light, its plane cut by its cone of light (for facets that
+// entered); otherwise what its corners enclose.
 double area_of_facet(const EmitTarget& target, std::uint32_t facet, bool in_light);
 
-// All fragments of one cell. `merge`: siblings that are both lit, or shadowed by one object, are handed out as one.
-void emit_cell(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target, Workspace& w, CellOutput& out);
+// All fragments of one cell. `merge`: siblings that are both lit, or shadowed by one object, are
+// handed out as one.
+void emit_cell(const CellTree& tree, std::uint32_t cell, bool merge, const EmitTarget& target,
+               Workspace& w, CellOutput& out);
 
 }  // namespace shadowcut::SHADOWCUT_NUMBERS

@@ -1,5 +1,5 @@
-// The engine follows a scene: it keeps a copy of the scene as its trees know it, and brings the copy and the trees up to date object by
-// object.
+// The engine follows a scene: it keeps a copy of the scene as its trees know it, and brings the
+// copy and the trees up to date object by object.
 
 #include <algorithm>
 #include <shadowcut/shadows.hpp>
@@ -11,15 +11,19 @@ namespace shadowcut {
 namespace {
 
 std::unique_ptr<LightShadows> make(const Scene& scene, const Light& light, const Options& options) {
-  return (options.kernel == Kernel::single ? single_numbers::make_light_shadows : double_numbers::make_light_shadows)(scene, light,
-                                                                                                                      options);
+  return (options.kernel == Kernel::single
+              ? single_numbers::make_light_shadows
+              : double_numbers::make_light_shadows)(scene, light, options);
 }
 
 void check(const Options& options, const Light& light) {
   const MinFeature& least = options.min_feature;
-  if (!(least.area >= 0) || !(least.solid_angle >= 0)) throw Error("the smallest feature must not be negative");
+  if (!(least.area >= 0) || !(least.solid_angle >= 0))
+    throw Error("the smallest feature must not be negative");
   if (least.solid_angle > 0 && light.kind == Light::Kind::directional)
-    throw Error("a directional light sees nothing under a solid angle: give the smallest feature as an area");
+    throw Error(
+        "a directional light sees nothing under a solid angle: give the smallest feature as an "
+        "area");
 }
 
 }  // namespace
@@ -40,9 +44,12 @@ struct Engine::Impl {
     std::uint64_t revision = 0;
   };
 
-  Impl(const Scene& followed, Options o) : wanted(followed), options(std::move(o)), threads(options.threads) {
+  Impl(const Scene& followed, Options o)
+      : wanted(followed), options(std::move(o)), threads(options.threads) {
     if (!options.progress) return;
-    options.progress = [this, report = options.progress](double share) { report((lights_done + share) / lights_to_do); };
+    options.progress = [this, report = options.progress](double share) {
+      report((lights_done + share) / lights_to_do);
+    };
   }
 
   const Scene& wanted;
@@ -58,11 +65,13 @@ struct Engine::Impl {
 
   const Tracked& tracked(std::size_t light) const {
     require_whole();
-    if (light >= lights.size() || !lights[light].tree) throw Error("there is no light " + std::to_string(light));
+    if (light >= lights.size() || !lights[light].tree)
+      throw Error("there is no light " + std::to_string(light));
     return lights[light];
   }
   void require_whole() const {
-    if (broken) throw Error("the engine ran out of memory during an update; compact() builds it anew");
+    if (broken)
+      throw Error("the engine ran out of memory during an update; compact() builds it anew");
   }
 
   // Before anything is touched.
@@ -156,7 +165,8 @@ struct Engine::Impl {
     require_whole();
     std::vector<const LightShadows*> trees;
     for (const Tracked& t : lights) trees.push_back(t.tree.get());
-    const auto combine = options.kernel == Kernel::single ? single_numbers::combine : double_numbers::combine;
+    const auto combine =
+        options.kernel == Kernel::single ? single_numbers::combine : double_numbers::combine;
     LightSets out;
     threads.run([&] { out = combine(trees, faces); });
     return out;
@@ -175,15 +185,20 @@ struct Engine::Impl {
       LightChanges c;
       c.light = static_cast<std::uint32_t>(k);
       lights[k].tree->finish_update(c);
-      if (c.rebuilt || !c.gone.empty() || !c.added.empty() || !c.areas.empty()) changes.lights.push_back(std::move(c));
+      if (c.rebuilt || !c.gone.empty() || !c.added.empty() || !c.areas.empty())
+        changes.lights.push_back(std::move(c));
     }
-    std::sort(changes.lights.begin(), changes.lights.end(), [](const auto& a, const auto& b) { return a.light < b.light; });
+    std::sort(changes.lights.begin(), changes.lights.end(),
+              [](const auto& a, const auto& b) { return a.light < b.light; });
   }
 
   bool is_pending(std::uint32_t object) const {
-    return object >= applied.objects().size() || applied.object_revision(object) != wanted.object_revision(object);
+    return object >= applied.objects().size() ||
+           applied.object_revision(object) != wanted.object_revision(object);
   }
-  bool is_stale(std::size_t light) const { return lights[light].revision != wanted.light_revision(light); }
+  bool is_stale(std::size_t light) const {
+    return lights[light].revision != wanted.light_revision(light);
+  }
 
   void advance(Clock::time_point deadline, bool limited) {
     lights.resize(wanted.lights().size());
@@ -223,7 +238,8 @@ struct Engine::Impl {
     return true;
   }
 
-  // Lights first, so that no step leaves a light's shadows behind the objects; then the objects changed longest ago.
+  // Lights first, so that no step leaves a light's shadows behind the objects; then the objects
+  // changed longest ago.
   void advance_step_by_step(const std::vector<std::uint32_t>& pending, Clock::time_point deadline) {
     changes.complete = false;
     if (!rebuild_stale(deadline, true)) return;
@@ -245,24 +261,29 @@ struct Engine::Impl {
       if (now >= deadline) break;
       at_once = deadline - now > 4 * (now - begin) ? 2 * at_once : 1;
     }
-    if (std::any_of(pending.begin(), pending.end(), [this](std::uint32_t o) { return is_pending(o); })) return;
+    if (std::any_of(pending.begin(), pending.end(),
+                    [this](std::uint32_t o) { return is_pending(o); }))
+      return;
     changes.complete = true;
     seen = wanted.revision();
   }
 
-  // An object may have been given room that others, which have changed too, still take up here: they go together.
+  // An object may have been given room that others, which have changed too, still take up here:
+  // they go together.
   void add_to_group(std::uint32_t object, std::vector<std::uint32_t>& group) const {
     std::vector<std::uint32_t> more{object};
     while (!more.empty()) {
       const std::uint32_t o = more.back();
       more.pop_back();
-      if (o == none || !is_pending(o) || std::find(group.begin(), group.end(), o) != group.end()) continue;
+      if (o == none || !is_pending(o) || std::find(group.begin(), group.end(), o) != group.end())
+        continue;
       group.push_back(o);
       more.push_back(applied.room_taken_by(wanted, o));
     }
   }
 
-  // Brings objects up to date in the applied scene and in the trees; not in those of lights that will be built anew.
+  // Brings objects up to date in the applied scene and in the trees; not in those of lights that
+  // will be built anew.
   void apply(const std::vector<std::uint32_t>& objects, bool but_stale) {
     if (objects.empty()) return;
     const auto for_trees = [&](const auto& edit) {
@@ -283,7 +304,9 @@ Engine::Engine(Engine&&) noexcept = default;
 Engine& Engine::operator=(Engine&&) noexcept = default;
 
 const Changes& Engine::update() { return impl_->update({}, false); }
-const Changes& Engine::update(std::chrono::nanoseconds budget) { return impl_->update(budget, true); }
+const Changes& Engine::update(std::chrono::nanoseconds budget) {
+  return impl_->update(budget, true);
+}
 
 const Changes& Engine::compact() { return impl_->compact(); }
 
@@ -297,9 +320,13 @@ std::size_t Engine::light_count() const {
   return impl_->lights.size();
 }
 
-const Shadows& Engine::shadows(std::size_t light) const { return impl_->tracked(light).tree->shadows(); }
+const Shadows& Engine::shadows(std::size_t light) const {
+  return impl_->tracked(light).tree->shadows();
+}
 
-const Fragment* Engine::find(std::size_t light, FragmentId id) const { return impl_->tracked(light).tree->find(id); }
+const Fragment* Engine::find(std::size_t light, FragmentId id) const {
+  return impl_->tracked(light).tree->find(id);
+}
 
 std::vector<double> Engine::undecided(std::size_t light) const {
   const LightShadows& tree = *impl_->tracked(light).tree;
@@ -324,7 +351,8 @@ std::string Engine::validate() const {
   for (std::size_t i = 0; i < impl_->lights.size(); ++i) {
     const Impl::Tracked& t = impl_->lights[i];
     if (!t.tree) continue;
-    if (std::string what = t.tree->validate(); !what.empty()) return "light " + std::to_string(i) + ": " + what;
+    if (std::string what = t.tree->validate(); !what.empty())
+      return "light " + std::to_string(i) + ": " + what;
   }
   return {};
 }

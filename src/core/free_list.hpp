@@ -1,4 +1,5 @@
-// Lists of indices: what has been given back, to be used again (places in a vector, and stretches of one); and those without repetition.
+// Lists of indices: what has been given back, to be used again (places in a vector, and stretches
+// of one); and those without repetition.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +9,8 @@
 
 namespace shadowcut {
 
-// Free indices. The lowest is used first: so indices stay low, and what is done and undone again and again finds the same ones.
+// Free indices. The lowest is used first: so indices stay low, and what is done and undone again
+// and again finds the same ones.
 class FreeList {
  public:
   bool empty() const { return heap_.empty(); }

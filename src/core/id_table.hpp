@@ -1,4 +1,5 @@
-// A hash table from keys that live elsewhere to dense ids: the caller compares keys, the table holds 4 bytes a slot.
+// A hash table from keys that live elsewhere to dense ids: the caller compares keys, the table
+// holds 4 bytes a slot.
 #pragma once
 
 #include <bit>
@@ -18,8 +19,9 @@ class IdTable {
  public:
   explicit IdTable(std::size_t expected) : slots_(std::bit_ceil(expected * 2 + 8), none) {}
 
-  // The id for which same(id) holds among those with this hash, or `next` after entering it under the hash.
-  // ids below `next` are in the table; rehash(id) gives an entered id's hash again when the table grows.
+  // The id for which same(id) holds among those with this hash, or `next` after entering it under
+  // the hash. ids below `next` are in the table; rehash(id) gives an entered id's hash again when
+  // the table grows.
   template <class Same, class Hash>
   std::uint32_t find_or_add(std::uint64_t hash, std::uint32_t next, Same same, Hash rehash) {
     if ((count_ + 1) * 2 > slots_.size()) grow(rehash);

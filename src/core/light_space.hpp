@@ -1,20 +1,28 @@
-// Light space: the three numbers of a ray from the light, in which everything the tree asks is linear.
+// Light space: the three numbers of a ray from the light, in which everything the tree asks is
+// linear.
 //
-// A light is one projective map of space, (r, h) = T (x - C, 1), that takes the light to infinity along h:
+// A light is one projective map of space, (r, h) = T (x - C, 1), that takes the light to infinity
+// along h:
 //   - points on one ray from the light have r in one direction;
-//   - a face's plane is a covector q with q.r = h on the plane, so along a ray r the point with the greater q.r is nearer to the light;
+//   - a face's plane is a covector q with q.r = h on the plane, so along a ray r the point with the
+//     greater q.r is nearer to the light;
 //   - a plane through the light is a covector n: n.r = 0.
 // Three frames differ only in T:
-//   near point light    C = the light, r = (x - C) / scale, h = 1               (q.r is 1 / distance along the ray)
-//   far point light     C = the scene's centre, r sheared and scaled to the scene's size: the light's distance cancels by algebra, not in
+//   near point light    C = the light, r = (x - C) / scale, h = 1               (q.r is 1 /
+//                       distance along the ray)
+//   far point light     C = the scene's centre, r sheared and scaled to the scene's size: the
+//                       light's distance cancels by algebra, not in
 //   digits directional light   the far frame's limit (1 / distance to the light = 0)
 //
-// Numbers of the fast kernel. u = 2^-53. Rays of vertices and normals of lines have length 1 (within rounding), and carry an absolute bound
-// on the distance from the true unit vector (up to a positive factor). A corner cut from two lines is their cross product as it is:
-// length <= 1, error <= err1 + err2 + 3u. So a sign test n.r is decided when |n.r| > err(n) + err(r) + 4u. (|r| <= 1; three products and
-// two sums lose at most 3u |n| |r|; the fourth u pays for second-order terms and for the unit lengths' own rounding.)
+// Numbers of the fast kernel. u = 2^-53. Rays of vertices and normals of lines have length 1
+// (within rounding), and carry an absolute bound on the distance from the true unit vector (up to a
+// positive factor). A corner cut from two lines is their cross product as it is: length <= 1, error
+// <= err1 + err2 + 3u. So a sign test n.r is decided when |n.r| > err(n) + err(r) + 4u. (|r| <= 1;
+// three products and two sums lose at most 3u |n| |r|; the fourth u pays for second-order terms and
+// for the unit lengths' own rounding.)
 //
-// The light space itself is always reckoned in double; the tree's numbers may be floats (tree_numbers.hpp).
+// The light space itself is always reckoned in double; the tree's numbers may be floats
+// (tree_numbers.hpp).
 #pragma once
 
 #include <cmath>
@@ -43,7 +51,9 @@ std::uint32_t shared_vertex(const LineOf<Real>& l, const LineOf<Real>& m) {
 template <class Real>
 struct PlaneRayOf {  // a face's plane in light space
   Real q[3];
-  float error;  // absolute, of q, with the plane's own flatness: nearer together than the input is flat counts as touching
+  // absolute, of q, with the plane's own flatness: nearer together than the input is flat counts as
+  // touching
+  float error;
 };
 
 template <class Real>
@@ -66,10 +76,13 @@ class LightSpace {
 
   VertexRay ray(const Vec3& x) const;
   Line line(const Vec3& a,
-            const Vec3& b) const;  // through the edge a -> b: positive on the left as the light sees it, or its mirror image; a, b unset
+            // through the edge a -> b: positive on the left as the light sees it, or its mirror
+            // image; a, b unset
+            const Vec3& b) const;
   PlaneRay plane(const Plane& p) const;  // only for planes not seen edge-on
   Turned turned(const Plane& p) const;
-  // The plane's direction as a covector of length one: of q, but also where the plane is seen edge-on and has none.
+  // The plane's direction as a covector of length one: of q, but also where the plane is seen
+  // edge-on and has none.
   Vec3 covector(const Plane& p) const;
   // What linear functions of r have to be divided by to be linear on the plane q, where r meets it.
   template <class Real>
@@ -80,10 +93,12 @@ class LightSpace {
   // How far, to first order, the point back(r, q) moves along its ray when q moves by 1.
   template <class Real>
   double pull(const Real r[3], const Real q[3]) const {
-    const double w = std::abs(weight(r, q)), length = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+    const double w = std::abs(weight(r, q)),
+                 length = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
     return far_ ? 2 * scale_ * length / w : scale_ * length * length / (w * w);
   }
-  // How far x, on the plane p, moves in that plane at most, to first order, when its ray, of length one, moves by 1.
+  // How far x, on the plane p, moves in that plane at most, to first order, when its ray, of length
+  // one, moves by 1.
   double spread(const Vec3& x, const Plane& p) const;
   // How far it is at most from x, off the plane by 1, to where the ray of x meets the plane.
   double slide(const Vec3& x, const Plane& p) const;
@@ -107,12 +122,14 @@ class LightSpace {
   // Two points whose line of light is the plane n through the light, or nearly.
   std::pair<Vec3, Vec3> span(const Vec3& n) const;
 
-  // +1 when a loop that runs counter-clockwise seen from the light does so in r too (its lines positive inside), else -1.
+  // +1 when a loop that runs counter-clockwise seen from the light does so in r too (its lines
+  // positive inside), else -1.
   int handedness() const { return handedness_; }
   bool far() const { return far_; }
   // How far from the frame's centre a box reaches, or the scene does.
   double reach(const Eigen::AlignedBox3d& box) const {
-    return std::max(scale_, (box.min() - center_).cwiseAbs().cwiseMax((box.max() - center_).cwiseAbs()).norm());
+    return std::max(
+        scale_, (box.min() - center_).cwiseAbs().cwiseMax((box.max() - center_).cwiseAbs()).norm());
   }
 
  private:
@@ -132,7 +149,9 @@ class LightSpace {
   double sign_ = 1;                   // far: of d_z
   double scale_ = 1,
          inverse_scale_ =
-             1;  // the scene's size as the light sees it, a power of two: neither tiny nor huge scenes leave the range of float and double
+             // the scene's size as the light sees it, a power of two: neither tiny nor huge scenes
+         // leave the range of float and double
+         1;
   int handedness_ = 1;
 };
 

@@ -1,5 +1,5 @@
-// Everything the engine holds for one light: light space, the prefix, its cells' trees, and the shadows. Made in light_tree.cpp, edited in
-// light_tree_edit.cpp.
+// Everything the engine holds for one light: light space, the prefix, its cells' trees, and the
+// shadows. Made in light_tree.cpp, edited in light_tree_edit.cpp.
 #pragma once
 
 #include <functional>
@@ -18,8 +18,8 @@
 
 namespace shadowcut::SHADOWCUT_NUMBERS {
 
-// An exact sum of doubles, however often something is added and taken away again: kept as doubles that do not overlap (Shewchuk 1997,
-// grow-expansion).
+// An exact sum of doubles, however often something is added and taken away again: kept as doubles
+// that do not overlap (Shewchuk 1997, grow-expansion).
 class Sum {
  public:
   void add(double x) {
@@ -54,7 +54,8 @@ class LightTree final : public LightShadows {
   Facing facing(std::uint32_t facet) const { return facing_[facet]; }
   // The facet's loop runs counter-clockwise in light space when followed forward.
   bool forward(std::uint32_t facet) const {
-    const bool ahead = turned_[facet] == Turned::toward ? space_.handedness() > 0 : space_.handedness() < 0;
+    const bool ahead =
+        turned_[facet] == Turned::toward ? space_.handedness() > 0 : space_.handedness() < 0;
     return ahead != (is_exact() && (shapes_[facet] & reversed));
   }
   bool front_lit(std::uint32_t facet) const { return turned_[facet] == Turned::toward; }
@@ -76,14 +77,16 @@ class LightTree final : public LightShadows {
     bool orphan;                 // its object has gone elsewhere
   };
   struct CellSums {  // what a cell adds to the statistics
-    std::uint64_t nodes = 0, pp_nodes = 0, pieces = 0, crossing_lines = 0, predicates = 0, on = 0, by_identity = 0, by_exact = 0,
-                  marked = 0, joined = 0, deferred = 0, built_again = 0, bytes = 0;
+    std::uint64_t nodes = 0, pp_nodes = 0, pieces = 0, crossing_lines = 0, predicates = 0, on = 0,
+                  by_identity = 0, by_exact = 0, marked = 0, joined = 0, deferred = 0,
+                  built_again = 0, bytes = 0;
   };
   struct Fresh {  // a cell as it was when it was built last
     double nodes_per_entry = 0;
     std::uint64_t edits = 0;             // entries inserted since
     std::uint32_t changes_of_mover = 0;  // how often that was another object than the last few
-    std::uint32_t patience = 0;          // while that stays 0: twice as long at each step until the cell is built again
+    // while that stays 0: twice as long at each step until the cell is built again
+    std::uint32_t patience = 0;
     struct Mover {
       std::uint32_t object;
       std::uint32_t update;  // in which it came last
@@ -92,8 +95,10 @@ class LightTree final : public LightShadows {
     bool stirred = false;            // since, by a face large enough to count
     std::vector<Mover> movers = {};  // the objects inserted last, the latest last
   };
-  __extension__ using Count = __int128;  // of as many fragments as there may be, each of up to 2^62 units
-  struct Units {                         // a face's areas as whole numbers of a unit of its own, so that adding and taking away is exact
+  // of as many fragments as there may be, each of up to 2^62 units
+  __extension__ using Count = __int128;
+  // a face's areas as whole numbers of a unit of its own, so that adding and taking away is exact
+  struct Units {
     double unit = 1;
     bool faces_light = false;
     Count lit = 0, shadowed = 0;
@@ -121,12 +126,17 @@ class LightTree final : public LightShadows {
   void face_facet(std::uint32_t facet, bool reached, bool holds_light);
   bool holds_light(const Object& object) const;
   void face_the_light();
-  void make_ray(std::uint32_t vertex) { tables_.rays[vertex] = rounded(space_.ray(scene_.vertices()[vertex])); }
+  void make_ray(std::uint32_t vertex) {
+    tables_.rays[vertex] = rounded(space_.ray(scene_.vertices()[vertex]));
+  }
   void make_line(std::uint32_t edge, std::uint32_t id);
-  void make_plane(std::uint32_t plane) { tables_.planes[plane] = rounded(space_.plane(scene_.planes()[plane])); }
+  void make_plane(std::uint32_t plane) {
+    tables_.planes[plane] = rounded(space_.plane(scene_.planes()[plane]));
+  }
   void fill_tables();
   double solid_angle(std::uint32_t facet) const;
-  std::vector<std::uint32_t> by_object(std::span<const std::uint32_t> objects, const std::function<double(std::uint32_t)>& size_of) const;
+  std::vector<std::uint32_t> by_object(std::span<const std::uint32_t> objects,
+                                       const std::function<double(std::uint32_t)>& size_of) const;
   std::vector<std::uint32_t> insertion_order(std::vector<Vec3>& centers) const;
   Cone* cone_of_facet(std::uint32_t facet, ConePool& pool) const;
   void note_for_exact(const Object& object, ExactLight& exact) const;
@@ -151,12 +161,14 @@ class LightTree final : public LightShadows {
   void link_entry(std::uint32_t cell, std::uint32_t entry);
   EmitTarget target() const {
     const bool conforming = options_.form == Form::conforming;
-    return {scene_, space_, tables_, conforming, tables_.exact && options_.constructions && !conforming};
+    return {scene_, space_, tables_, conforming,
+            tables_.exact && options_.constructions && !conforming};
   }
   bool is_exact() const { return options_.kernel == Kernel::exact; }
   Lines lines() const { return Lines(tables_, {}); }  // of scene and prefix
   bool stands_away(std::uint32_t facet) const {       // never entered, and is shadowed whole
-    return scene_.facets()[facet].corner_count != 0 && (facing_[facet] == Facing::away || facing_[facet] == Facing::out_of_reach);
+    return scene_.facets()[facet].corner_count != 0 &&
+           (facing_[facet] == Facing::away || facing_[facet] == Facing::out_of_reach);
   }
   bool is_live() const { return options_.edits && options_.form != Form::conforming; }
   void emit();
@@ -204,7 +216,9 @@ class LightTree final : public LightShadows {
   // Nothing but the smallest features is missing from a face's fragments, and they do not overlap.
   void set_dropped(FaceArea& a) const {
     const bool has_fragments = a.facing != Facing::ignored && a.facing != Facing::refused;
-    a.dropped = has_fragments && !tables_.least.keeps_all() ? std::max(0.0, a.area - a.lit - a.shadowed) : 0;
+    a.dropped = has_fragments && !tables_.least.keeps_all()
+                    ? std::max(0.0, a.area - a.lit - a.shadowed)
+                    : 0;
   }
   void absorb(std::span<const std::uint32_t> cells);
   void absorb(const LiveCell::AreaChange& change);
@@ -214,7 +228,9 @@ class LightTree final : public LightShadows {
   bool has_grown(std::uint32_t cell) const;
   void note_fresh(std::uint32_t cell);
   void build_again(std::uint32_t cell, std::vector<std::uint32_t>& given_up, Workspace& w);
-  double size_in_order(std::uint32_t facet) const { return options_.order == Order::solid_angle ? solid_angle(facet) : 0.0; }
+  double size_in_order(std::uint32_t facet) const {
+    return options_.order == Order::solid_angle ? solid_angle(facet) : 0.0;
+  }
   bool suits_numbers(std::span<const std::uint32_t> objects) const;
   Parts filter_into_cells(const std::vector<std::uint32_t>& order);
   void insert_into_cells(const std::vector<std::uint32_t>& order);
@@ -238,17 +254,20 @@ class LightTree final : public LightShadows {
   PerThread<Workspace> workspaces_;
 
   // For edits.
-  std::vector<LiveCell> live_;            // by cell
-  std::vector<Location> locations_;       // by object: the head of its location list (CS95, section 3)
-  std::vector<std::uint32_t> away_;       // by facet: index of its fragment in the last block, or none
+  std::vector<LiveCell> live_;  // by cell
+  // by object: the head of its location list (CS95, section 3)
+  std::vector<Location> locations_;
+  // by facet: index of its fragment in the last block, or none
+  std::vector<std::uint32_t> away_;
   RangeList away_corners_;                // of the last block
   std::vector<std::uint32_t> away_born_;  // by facet: the update in which it came
   std::vector<Units> units_;              // by face
   std::vector<FaceArea> fragment_areas_;  // by face: sums of what emit() handed out
   Sum facing_area_, lit_area_, shadowed_area_, dropped_area_;
   std::vector<LineBlock> line_blocks_;
-  std::vector<std::uint32_t> block_of_object_, block_of_line_;  // indices into line_blocks_, or none
-  std::multimap<std::uint32_t, std::uint32_t> free_blocks_;     // by count
+  // indices into line_blocks_, or none
+  std::vector<std::uint32_t> block_of_object_, block_of_line_;
+  std::multimap<std::uint32_t, std::uint32_t> free_blocks_;  // by count
 
   std::vector<std::uint32_t> cells_built_again_;  // by cell: how often
   std::vector<Fresh> fresh_;                      // by cell
@@ -256,10 +275,11 @@ class LightTree final : public LightShadows {
   // Of this update.
   std::uint32_t update_ = 0;
   bool rebuilt_ = false, edited_ = false;
-  std::vector<std::uint32_t> touched_, touched_in_;  // cells; and by cell: the update in which it was touched last
-  std::vector<CellSums> sums_;                       // by cell: as the statistics know them
-  std::vector<std::uint32_t> batch_;                 // cells changed since objects were removed
-  std::vector<FragmentId> gone_;                     // besides those the cells know of
+  // cells; and by cell: the update in which it was touched last
+  std::vector<std::uint32_t> touched_, touched_in_;
+  std::vector<CellSums> sums_;        // by cell: as the statistics know them
+  std::vector<std::uint32_t> batch_;  // cells changed since objects were removed
+  std::vector<FragmentId> gone_;      // besides those the cells know of
   std::vector<FragmentId> away_added_;
   std::vector<Old> noted_;               // faces that may have changed, as they were
   std::vector<std::uint32_t> noted_in_;  // by face: the update in which it was noted last

@@ -19,7 +19,8 @@ constexpr std::size_t worth_threads = 128;  // facets, or parts of them, that an
 constexpr float largest_ray_error = static_cast<float>(256 * unit_roundoff);
 
 bool differ(const FaceArea& a, const FaceArea& b) {
-  return a.facing != b.facing || a.area != b.area || a.lit != b.lit || a.shadowed != b.shadowed || a.dropped != b.dropped;
+  return a.facing != b.facing || a.area != b.area || a.lit != b.lit || a.shadowed != b.shadowed ||
+         a.dropped != b.dropped;
 }
 
 }  // namespace
@@ -63,7 +64,8 @@ void LightTree::note_location_list(std::uint32_t object) {
 void LightTree::emit_live() {
   live_.clear();
   live_.reserve(cells_.size());
-  for (std::uint32_t c = 0; c < cells_.size(); ++c) live_.emplace_back(c, options_.form != Form::pieces);
+  for (std::uint32_t c = 0; c < cells_.size(); ++c)
+    live_.emplace_back(c, options_.form != Form::pieces);
   shadows_.blocks.resize(cells_.size() + 1);
   const EmitTarget to = target();
   parallel_for(cells_.size(), 1, [&](std::size_t c) {
@@ -75,7 +77,8 @@ void LightTree::emit_live() {
   away_born_.assign(scene_.facets().size(), update_);
   CellOutput out;
   emit_all_away(out);
-  for (std::uint32_t i = 0; i < out.block.fragments.size(); ++i) away_[out.block.fragments[i].facet] = i;
+  for (std::uint32_t i = 0; i < out.block.fragments.size(); ++i)
+    away_[out.block.fragments[i].facet] = i;
   shadows_.blocks.back() = std::move(out.block);
   away_corners_.clear();
 }
@@ -105,7 +108,8 @@ void LightTree::note_everything() {
     return;
   }
   if (is_live()) {
-    for (std::size_t c = 0; c < live_.size(); ++c) live_[c].list_old(shadows_.blocks[c], update_, gone_);
+    for (std::size_t c = 0; c < live_.size(); ++c)
+      live_[c].list_old(shadows_.blocks[c], update_, gone_);
     for (const Fragment& f : shadows_.blocks.back().fragments) {
       if (away_born_[f.facet] != update_) gone_.push_back(f.id);
     }
@@ -120,7 +124,8 @@ void LightTree::note_everything() {
 
 // Runs edit(cell, index in cells) for every cell; on several threads if the work is worth it.
 template <class Edit>
-void LightTree::edit_cells(std::span<const std::uint32_t> cells, std::size_t work, const Edit& edit) {
+void LightTree::edit_cells(std::span<const std::uint32_t> cells, std::size_t work,
+                           const Edit& edit) {
   const auto one = [&](std::size_t i) {
     if (is_live()) live_[cells[i]].begin(shadows_.blocks[cells[i]], update_);
     edit(cells[i], i);
@@ -143,21 +148,25 @@ void LightTree::remove_objects(std::span<const std::uint32_t> objects) {
   std::vector<Location> parts;
   for (const std::uint32_t o : objects) {
     if (o >= locations_.size()) continue;
-    for (Location l = locations_[o]; l.cell != none; l = cells_[l.cell].entries()[l.entry].next) parts.push_back(l);
+    for (Location l = locations_[o]; l.cell != none; l = cells_[l.cell].entries()[l.entry].next)
+      parts.push_back(l);
     locations_[o] = {};
   }
-  std::sort(parts.begin(), parts.end(),
-            [](const Location& a, const Location& b) { return a.cell != b.cell ? a.cell < b.cell : a.entry < b.entry; });
+  std::sort(parts.begin(), parts.end(), [](const Location& a, const Location& b) {
+    return a.cell != b.cell ? a.cell < b.cell : a.entry < b.entry;
+  });
   std::vector<std::uint32_t> cells, entries;
   std::vector<std::size_t> begins;
   for (const Location& l : parts) {
-    if (cells.empty() || cells.back() != l.cell) cells.push_back(l.cell), begins.push_back(entries.size());
+    if (cells.empty() || cells.back() != l.cell)
+      cells.push_back(l.cell), begins.push_back(entries.size());
     entries.push_back(l.entry);
   }
   begins.push_back(entries.size());
   std::vector<std::vector<std::uint32_t>> kept(cells.size()), given_up(cells.size());
   edit_cells(cells, parts.size(), [&](std::uint32_t c, std::size_t i) {
-    cells_[c].remove(std::span(entries).subspan(begins[i], begins[i + 1] - begins[i]), workspaces_.local(), kept[i], given_up[i]);
+    cells_[c].remove(std::span(entries).subspan(begins[i], begins[i + 1] - begins[i]),
+                     workspaces_.local(), kept[i], given_up[i]);
     fresh_[c].stirred = fresh_[c].stirred || is_much(c, cells_[c].displaced_last());
   });
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -216,10 +225,12 @@ LightTree::Parts LightTree::filter_into_cells(const std::vector<std::uint32_t>& 
   return all;
 }
 
-// Filters facets through the prefix, and inserts their parts into the cells; settles what has been changed since objects were removed.
+// Filters facets through the prefix, and inserts their parts into the cells; settles what has been
+// changed since objects were removed.
 void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
   Parts parts = filter_into_cells(order);
-  std::stable_sort(parts.list.begin(), parts.list.end(), [](const Parts::Part& a, const Parts::Part& b) { return a.cell < b.cell; });
+  std::stable_sort(parts.list.begin(), parts.list.end(),
+                   [](const Parts::Part& a, const Parts::Part& b) { return a.cell < b.cell; });
   std::vector<std::uint32_t> entries(parts.list.size());
   for (const Parts::Part& part : parts.list) batch_.push_back(part.cell);
   sort_unique(batch_);
@@ -228,7 +239,8 @@ void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
   edit_cells(batch_, parts.list.size(), [&](std::uint32_t c, std::size_t i) {
     Workspace& w = workspaces_.local();
     auto part =
-        std::lower_bound(parts.list.begin(), parts.list.end(), c, [](const Parts::Part& p, std::uint32_t cell) { return p.cell < cell; });
+        std::lower_bound(parts.list.begin(), parts.list.end(), c,
+                         [](const Parts::Part& p, std::uint32_t cell) { return p.cell < cell; });
     for (; part != parts.list.end() && part->cell == c; ++part) {
       const std::uint32_t object = tables_.object_of(part->facet);
       note_mover(fresh_[c], object);
@@ -252,7 +264,8 @@ void LightTree::insert_into_cells(const std::vector<std::uint32_t>& order) {
 // Keeps count of what has been inserted since a cell was built.
 void LightTree::note_mover(Fresh& fresh, std::uint32_t object) const {
   ++fresh.edits;
-  const auto known = std::find_if(fresh.movers.begin(), fresh.movers.end(), [object](const auto& m) { return m.object == object; });
+  const auto known = std::find_if(fresh.movers.begin(), fresh.movers.end(),
+                                  [object](const auto& m) { return m.object == object; });
   if (known != fresh.movers.end()) {
     known->times += known->update != update_;
     known->update = update_;
@@ -264,9 +277,12 @@ void LightTree::note_mover(Fresh& fresh, std::uint32_t object) const {
   fresh.movers.push_back({object, update_, 1});
 }
 
-// A large face that comes last is cut by all that was there before it, and one that goes leaves all that was behind it to be inserted last:
-// better the cell is built again, with every face where it belongs.
-bool LightTree::is_much(std::uint32_t c, std::size_t pieces) const { return pieces >= 16 && 12 * pieces >= cells_[c].live_pieces(); }
+// A large face that comes last is cut by all that was there before it, and one that goes leaves all
+// that was behind it to be inserted last: better the cell is built again, with every face where it
+// belongs.
+bool LightTree::is_much(std::uint32_t c, std::size_t pieces) const {
+  return pieces >= 16 && 12 * pieces >= cells_[c].live_pieces();
+}
 
 void LightTree::note_shattered(std::uint32_t c, std::uint32_t entry, std::uint32_t object) {
   if (!is_much(c, cells_[c].entries()[entry].pieces)) return;
@@ -276,26 +292,31 @@ void LightTree::note_shattered(std::uint32_t c, std::uint32_t entry, std::uint32
   }
 }
 
-// Edits leave faces cut, and insert them in an order that nobody would choose. A cell that has grown by a tenth since it was built is built
-// again; and so is one that several objects have come to and left many times over, because what it should have grown to is then no longer
-// known. In the long run that costs in proportion to the growth, and to the edits. (An object that goes to and fro is no reason.) Where the
-// same objects move that moved before the cell was built, it waits until as much has been inserted as a build inserts, and each time twice
-// as long, unless it has grown by far: what a desk does to its cell while it is dragged through it, its next step does again; but several
-// that take turns cut each other smaller and smaller.
+// Edits leave faces cut, and insert them in an order that nobody would choose. A cell that has
+// grown by a tenth since it was built is built again; and so is one that several objects have come
+// to and left many times over, because what it should have grown to is then no longer known. In the
+// long run that costs in proportion to the growth, and to the edits. (An object that goes to and
+// fro is no reason.) Where the same objects move that moved before the cell was built, it waits
+// until as much has been inserted as a build inserts, and each time twice as long, unless it has
+// grown by far: what a desk does to its cell while it is dragged through it, its next step does
+// again; but several that take turns cut each other smaller and smaller.
 bool LightTree::has_grown(std::uint32_t c) const {
   const Fresh& fresh = fresh_[c];
   const std::size_t entries = cells_[c].live_entries();
   const auto exceeds = [&](double growth) {
-    return static_cast<double>(cells_[c].live_nodes()) > growth * fresh.nodes_per_entry * static_cast<double>(entries) + 4;
+    return static_cast<double>(cells_[c].live_nodes()) >
+           growth * fresh.nodes_per_entry * static_cast<double>(entries) + 4;
   };
   const std::uint32_t patience = exceeds(growth_borne) ? 0 : fresh.patience;
   if (fresh.changes_of_mover == 0 && fresh.edits < entries << patience) return false;
-  return fresh.stirred || exceeds(growth_allowed) || (fresh.edits > edits_allowed * entries + 64 && fresh.changes_of_mover >= most_movers);
+  return fresh.stirred || exceeds(growth_allowed) ||
+         (fresh.edits > edits_allowed * entries + 64 && fresh.changes_of_mover >= most_movers);
 }
 
 void LightTree::note_fresh(std::uint32_t c) {
   fresh_[c].nodes_per_entry =
-      static_cast<double>(cells_[c].live_nodes()) / static_cast<double>(std::max<std::size_t>(cells_[c].live_entries(), 1));
+      static_cast<double>(cells_[c].live_nodes()) /
+      static_cast<double>(std::max<std::size_t>(cells_[c].live_entries(), 1));
   fresh_[c].edits = fresh_[c].changes_of_mover = 0;
   fresh_[c].stirred = false;
 }
@@ -315,7 +336,8 @@ void LightTree::build_again(std::uint32_t c, std::vector<std::uint32_t>& given_u
   tree.set_live(nullptr);
   tree.start_again(given_up);
   const auto insert = [&](std::span<const std::uint32_t> some) {
-    for (const std::uint32_t facet : by_object(some, [this](std::uint32_t i) { return size_in_order(i); })) {
+    for (const std::uint32_t facet :
+         by_object(some, [this](std::uint32_t i) { return size_in_order(i); })) {
       const auto entry = entry_of.find(facet);
       if (entry == entry_of.end()) continue;
       for_each_cone_of(facet, w, [&](Cone* cone) {
@@ -324,22 +346,26 @@ void LightTree::build_again(std::uint32_t c, std::vector<std::uint32_t>& given_u
       });
     }
   };
-  // What moves again and again, while others do not, stays at the leaves (CS95, section 4). But not so much of the cell that it is no build
-  // any more.
+  // What moves again and again, while others do not, stays at the leaves (CS95, section 4). But not
+  // so much of the cell that it is no build any more.
   std::vector<std::uint32_t> at_leaves;
   for (const auto& m : fresh_[c].movers) {
     const bool here = std::binary_search(objects.begin(), objects.end(), m.object);
-    if (m.times >= 2 * objects.size() && here && tables_.objects[m.object].casts && at_leaves.size() < objects.size() / 4)
+    if (m.times >= 2 * objects.size() && here && tables_.objects[m.object].casts &&
+        at_leaves.size() < objects.size() / 4)
       at_leaves.push_back(m.object);
   }
-  std::erase_if(objects, [&](std::uint32_t o) { return std::find(at_leaves.begin(), at_leaves.end(), o) != at_leaves.end(); });
+  std::erase_if(objects, [&](std::uint32_t o) {
+    return std::find(at_leaves.begin(), at_leaves.end(), o) != at_leaves.end();
+  });
   insert(objects);
   for (const std::uint32_t& o : at_leaves) insert({&o, 1});
   if (is_live()) {
     live_[c].start_again(tree, target(), w);
     tree.set_live(&live_[c]);
   }
-  fresh_[c].patience = fresh_[c].changes_of_mover == 0 ? std::min(fresh_[c].patience + 1, most_patience) : 0;
+  fresh_[c].patience =
+      fresh_[c].changes_of_mover == 0 ? std::min(fresh_[c].patience + 1, most_patience) : 0;
   note_fresh(c);
   ++cells_built_again_[c];
 }
@@ -361,7 +387,8 @@ void LightTree::grow() {
   const auto to = [](auto& v, std::size_t size, const auto& filler) {
     if (v.size() < size) v.resize(size, filler);
   };
-  const std::size_t facets = scene_.facets().size(), faces = scene_.faces().size(), objects = scene_.objects().size();
+  const std::size_t facets = scene_.facets().size(), faces = scene_.faces().size(),
+                    objects = scene_.objects().size();
   to(turned_, facets, Turned::edge_on);
   to(shapes_, facets, std::uint8_t{convex});
   to(facing_, facets, Facing::away);
@@ -379,7 +406,8 @@ void LightTree::grow() {
   to(units_, faces, Units{});
 }
 
-// Everything about objects that does not depend on other objects. What they share is done for one after the other.
+// Everything about objects that does not depend on other objects. What they share is done for one
+// after the other.
 void LightTree::face_objects(std::span<const std::uint32_t> objects) {
   std::size_t facets = 0;
   for (const std::uint32_t o : objects) {
@@ -388,15 +416,18 @@ void LightTree::face_objects(std::span<const std::uint32_t> objects) {
     if (is_exact()) note_for_exact(object, *tables_.exact);
   }
   const auto for_each = [&](const auto& f) {
-    if (facets >= worth_threads) return parallel_for(objects.size(), 4, [&](std::size_t i) { f(objects[i]); });
+    if (facets >= worth_threads)
+      return parallel_for(objects.size(), 4, [&](std::size_t i) { f(objects[i]); });
     for (const std::uint32_t o : objects) f(o);
   };
   for_each([this](std::uint32_t o) { face_facets(o); });
   for (const std::uint32_t o : objects) {
     const Object& object = scene_.objects()[o];
     const auto enters = enters_.begin() + object.first_facet;
-    if (std::find(enters, enters + object.facet_count, 1) != enters + object.facet_count) take_lines(o);
-    for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) note(f);
+    if (std::find(enters, enters + object.facet_count, 1) != enters + object.facet_count)
+      take_lines(o);
+    for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f)
+      note(f);
   }
   for_each([this](std::uint32_t o) { fill_tables(o); });
   for (const std::uint32_t o : objects) {
@@ -415,7 +446,8 @@ void LightTree::face_facets(std::uint32_t o) {
   for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) {
     const Face& face = scene_.faces()[f];
     const bool is_reached = reached(f);
-    for (std::uint32_t i = face.first_facet; i < face.first_facet + face.facet_count; ++i) face_facet(i, is_reached, light_inside);
+    for (std::uint32_t i = face.first_facet; i < face.first_facet + face.facet_count; ++i)
+      face_facet(i, is_reached, light_inside);
   }
 }
 
@@ -432,13 +464,16 @@ void LightTree::fill_tables(std::uint32_t o) {
   if (any) {
     const std::uint32_t shift = tables_.line_shift[o];
     for (std::uint32_t i = 0; i < object.vertex_count; ++i) make_ray(object.first_vertex + i);
-    for (std::uint32_t i = object.first_edge; i < object.first_edge + object.edge_count; ++i) make_line(i, i + shift);
+    for (std::uint32_t i = object.first_edge; i < object.first_edge + object.edge_count; ++i)
+      make_line(i, i + shift);
     for (std::uint32_t i = object.first_facet; is_exact() && i < facets_end; ++i) face_exactly(i);
   }
-  for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f) set_area(f, whole_area(f));
+  for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f)
+    set_area(f, whole_area(f));
 }
 
-// Lines. Planes that an object leaves behind in the trees go on using the lines of its edges, so it gets others for its next pose.
+// Lines. Planes that an object leaves behind in the trees go on using the lines of its edges, so it
+// gets others for its next pose.
 
 void LightTree::count_line(std::uint32_t line, bool kept) {
   const std::uint32_t b = block_of_line_[line];
@@ -456,7 +491,8 @@ void LightTree::leave_lines(std::uint32_t object) {
   if (b == none || line_blocks_[b].kept == 0) return;
   LineBlock& block = line_blocks_[b];
   block.orphan = true;
-  for (std::uint32_t id = block.first; id < block.first + block.count; ++id) tables_.lines[id].a = tables_.lines[id].b = none;
+  for (std::uint32_t id = block.first; id < block.first + block.count; ++id)
+    tables_.lines[id].a = tables_.lines[id].b = none;
   block_of_object_[object] = none;
 }
 
@@ -469,7 +505,9 @@ void LightTree::give_lines_back(std::uint32_t object) {
 
 void LightTree::take_lines(std::uint32_t o) {
   const Object& object = scene_.objects()[o];
-  if (const std::uint32_t b = block_of_object_[o]; b != none && line_blocks_[b].count < object.edge_count) give_lines_back(o);
+  if (const std::uint32_t b = block_of_object_[o];
+      b != none && line_blocks_[b].count < object.edge_count)
+    give_lines_back(o);
   std::uint32_t& b = block_of_object_[o];
   if (b == none) {
     const auto fit = free_blocks_.lower_bound(object.edge_count);
@@ -495,7 +533,8 @@ void LightTree::take_lines(std::uint32_t o) {
 void LightTree::insert_away(std::uint32_t facet) {
   if (!is_live()) return;
   Block& block = shadows_.blocks.back();
-  const std::uint32_t first = away_corners_.take(block.corners, scene_.facets()[facet].corner_count);
+  const std::uint32_t first =
+      away_corners_.take(block.corners, scene_.facets()[facet].corner_count);
   if (target().constructions) block.constructions.resize(block.corners.size());
   const Fragment f = emit_away(facet, first, block);
   away_[facet] = static_cast<std::uint32_t>(block.fragments.size());
@@ -522,7 +561,9 @@ void LightTree::remove_away(std::uint32_t facet) {
 // Areas.
 
 // A power of two: the face's area is about 2^60 of it.
-double LightTree::unit_for(double area) { return area > 0 && std::isfinite(area) ? std::ldexp(1.0, std::ilogb(area) - 60) : 1.0; }
+double LightTree::unit_for(double area) {
+  return area > 0 && std::isfinite(area) ? std::ldexp(1.0, std::ilogb(area) - 60) : 1.0;
+}
 
 void LightTree::count_face(const FaceArea& before, const FaceArea& now) {
   const bool was = before.facing == Facing::toward, is = now.facing == Facing::toward;
@@ -531,7 +572,8 @@ void LightTree::count_face(const FaceArea& before, const FaceArea& now) {
     const double old = was ? before.*area : 0, fresh = is ? now.*area : 0;
     if (old != fresh) sum.add(-old), sum.add(fresh);
   };
-  count(facing_area_, &FaceArea::area), count(lit_area_, &FaceArea::lit), count(shadowed_area_, &FaceArea::shadowed);
+  count(facing_area_, &FaceArea::area), count(lit_area_, &FaceArea::lit),
+      count(shadowed_area_, &FaceArea::shadowed);
   count(dropped_area_, &FaceArea::dropped);
 }
 
@@ -551,11 +593,13 @@ void LightTree::total_up() {
       count_face(old.area, shadows_.areas[old.face]);
     }
   }
-  s.facing_area = facing_area_.value(), s.lit_area = lit_area_.value(), s.shadowed_area = shadowed_area_.value();
+  s.facing_area = facing_area_.value(), s.lit_area = lit_area_.value(),
+  s.shadowed_area = shadowed_area_.value();
   s.dropped_area = dropped_area_.value();
 }
 
-// A face has no fragments now; what it will have is counted as they come, and measured when all have.
+// A face has no fragments now; what it will have is counted as they come, and measured when all
+// have.
 void LightTree::set_area(std::uint32_t face, const FaceArea& area) {
   if (!is_live()) return;
   shadows_.areas[face] = area;
@@ -570,7 +614,8 @@ void LightTree::absorb(const LiveCell::AreaChange& change) {
   const auto units = static_cast<std::int64_t>(std::min(change.area / u.unit, most));
   (change.lit ? u.lit : u.shadowed) += change.added ? units : -units;
   if (!u.faces_light) return;
-  std::uint64_t& fragments = change.lit ? shadows_.stats.lit_fragments : shadows_.stats.shadowed_fragments;
+  std::uint64_t& fragments =
+      change.lit ? shadows_.stats.lit_fragments : shadows_.stats.shadowed_fragments;
   change.added ? ++fragments : --fragments;
 }
 
@@ -578,7 +623,8 @@ void LightTree::absorb(const LiveCell::AreaChange& change) {
 void LightTree::measure(std::uint32_t face) {
   const auto area = [](Count count, double unit) {
     const auto short_count = static_cast<std::int64_t>(count);  // nearly always
-    return (short_count == count ? static_cast<double>(short_count) : static_cast<double>(count)) * unit;
+    return (short_count == count ? static_cast<double>(short_count) : static_cast<double>(count)) *
+           unit;
   };
   FaceArea& a = shadows_.areas[face];
   const Units& u = units_[face];
@@ -636,18 +682,21 @@ void LightTree::emit_again() {
   emit();
   sum_up();
   Stats& s = shadows_.stats;
-  s.build_ms = old.build_ms, s.emit_ms = old.emit_ms, s.longest_location_list = old.longest_location_list;
+  s.build_ms = old.build_ms, s.emit_ms = old.emit_ms,
+  s.longest_location_list = old.longest_location_list;
 }
 
 void LightTree::list_all(LightChanges& changes) const {
   for (const Block& block : shadows_.blocks) {
-    for (std::uint32_t i = 0; i < block.fragments.size(); ++i) changes.added.push_back({block.fragments[i].id, i});
+    for (std::uint32_t i = 0; i < block.fragments.size(); ++i)
+      changes.added.push_back({block.fragments[i].id, i});
   }
 }
 
 void LightTree::list_changes(LightChanges& changes) {
   std::size_t gone = changes.gone.size(), added = away_added_.size();
-  for (const std::uint32_t c : touched_) gone += live_[c].gone().size(), added += live_[c].most_added();
+  for (const std::uint32_t c : touched_)
+    gone += live_[c].gone().size(), added += live_[c].most_added();
   changes.gone.reserve(gone);
   changes.added.reserve(added);
   for (const std::uint32_t c : touched_) {
@@ -671,22 +720,27 @@ void LightTree::list_differences(LightChanges& changes) const {
     for (const Block& block : blocks) {
       for (const Fragment& f : block.fragments) all.push_back({&block, &f});
     }
-    std::sort(all.begin(), all.end(), [](const At& a, const At& b) { return a.fragment->id < b.fragment->id; });
+    std::sort(all.begin(), all.end(),
+              [](const At& a, const At& b) { return a.fragment->id < b.fragment->id; });
     return all;
   };
-  const auto same_bits = [](const Vec3& x, const Vec3& y) {  // 0 and -0 are different: a mirror of the fragments holds either
-    return std::equal(x.begin(), x.end(), y.begin(), [](double c, double d) { return c == d && std::signbit(c) == std::signbit(d); });
+  // 0 and -0 are different: a mirror of the fragments holds either
+  const auto same_bits = [](const Vec3& x, const Vec3& y) {
+    return std::equal(x.begin(), x.end(), y.begin(), [](double c, double d) {
+      return c == d && std::signbit(c) == std::signbit(d);
+    });
   };
   const auto same = [&](const At& a, const At& b) {
     const Fragment &f = *a.fragment, &g = *b.fragment;
     const auto x = a.block->corners_of(f), y = b.block->corners_of(g);
-    return f.face == g.face && f.facet == g.facet && f.caster == g.caster && f.lit == g.lit && f.area == g.area &&
-           std::equal(x.begin(), x.end(), y.begin(), y.end(), same_bits);
+    return f.face == g.face && f.facet == g.facet && f.caster == g.caster && f.lit == g.lit &&
+           f.area == g.area && std::equal(x.begin(), x.end(), y.begin(), y.end(), same_bits);
   };
   const std::vector<At> before = sorted(before_), now = sorted(shadows_.blocks);
   const auto lost = [&](const At& a) { changes.gone.push_back(a.fragment->id); };
   const auto found = [&](const At& a) {
-    changes.added.push_back({a.fragment->id, static_cast<std::uint32_t>(a.fragment - a.block->fragments.data())});
+    changes.added.push_back(
+        {a.fragment->id, static_cast<std::uint32_t>(a.fragment - a.block->fragments.data())});
   };
   auto b = before.begin();
   auto n = now.begin();
@@ -707,10 +761,13 @@ const Fragment* LightTree::find(FragmentId id) const {
   const auto& fragments = shadows_.blocks[id.cell].fragments;
   if (is_live()) {
     const bool in_cell = id.cell < live_.size();
-    const std::uint32_t i = in_cell ? live_[id.cell].find(id) : id.place == none && id.piece < away_.size() ? away_[id.piece] : none;
+    const std::uint32_t i = in_cell                                       ? live_[id.cell].find(id)
+                            : id.place == none && id.piece < away_.size() ? away_[id.piece]
+                                                                          : none;
     return i == none ? nullptr : &fragments[i];
   }
-  const auto f = std::find_if(fragments.begin(), fragments.end(), [&](const Fragment& g) { return g.id == id; });
+  const auto f = std::find_if(fragments.begin(), fragments.end(),
+                              [&](const Fragment& g) { return g.id == id; });
   return f == fragments.end() ? nullptr : &*f;
 }
 

@@ -19,10 +19,12 @@ LightLine Lines::exact(std::uint32_t id) const {
 }
 
 std::uint32_t Lines::shared_vertex(EdgeRef a, EdgeRef b) const {
-  return a.line() == b.line() ? none : shadowcut::shared_vertex((*this)(a.line()), (*this)(b.line()));
+  return a.line() == b.line() ? none
+                              : shadowcut::shared_vertex((*this)(a.line()), (*this)(b.line()));
 }
 
-void Lines::hold(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t facet, Held& held) const {
+void Lines::hold(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t facet,
+                 Held& held) const {
   const EdgeRef in = incoming(cone, i), out = cone[i].edge;
   held.corner = {nullptr, false, &held.in, &held.out, in.negative(), out.negative()};
   if (cone[i].vertex != none) {
@@ -38,11 +40,13 @@ void Lines::hold(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_
   held.in = exact(in.line()), held.out = exact(out.line());
 }
 
-int Lines::side(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t facet, std::uint32_t line, SignCounts& counts) const {
+int Lines::side(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t facet,
+                std::uint32_t line, SignCounts& counts) const {
   const EdgeRef in = incoming(cone, i), out = cone[i].edge;
   const Line& l = (*this)(line);
   const std::uint32_t vertex = cone[i].vertex != none ? cone[i].vertex : shared_vertex(in, out);
-  if (in.line() == line || out.line() == line || (vertex != none && (l.a == vertex || l.b == vertex))) {
+  if (in.line() == line || out.line() == line ||
+      (vertex != none && (l.a == vertex || l.b == vertex))) {
     ++counts.by_identity;
     return 0;
   }
@@ -51,10 +55,12 @@ int Lines::side(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t
   const LightLine tested = exact(line);
   // Two edges in one line, or a vertex in line with one.
   const auto is_along = [&](const LightLine& m) {
-    return !m.crossing && in_line(tested.v[0], tested.v[1], m.v[0]) && in_line(tested.v[0], tested.v[1], m.v[1]);
+    return !m.crossing && in_line(tested.v[0], tested.v[1], m.v[0]) &&
+           in_line(tested.v[0], tested.v[1], m.v[1]);
   };
   const Vec3* x = held.corner.vertex;
-  if (!tested.crossing && (x ? in_line(tested.v[0], tested.v[1], *x) : is_along(held.in) || is_along(held.out))) {
+  if (!tested.crossing &&
+      (x ? in_line(tested.v[0], tested.v[1], *x) : is_along(held.in) || is_along(held.out))) {
     ++counts.by_identity;
     return 0;
   }
@@ -62,10 +68,13 @@ int Lines::side(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t
   return exact_->side(tested, held.corner);
 }
 
-int Lines::nearer(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t facet, std::uint32_t other_plane,
-                  SignCounts& counts) const {
-  const Plane &p = tables_.scene_planes[tables_.facets[facet].plane], &q = tables_.scene_planes[other_plane];
-  if (p.point == q.point && (p.exact_normal == q.exact_normal || p.exact_normal == -q.exact_normal)) {  // one plane, recorded twice
+int Lines::nearer(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t facet,
+                  std::uint32_t other_plane, SignCounts& counts) const {
+  const Plane &p = tables_.scene_planes[tables_.facets[facet].plane],
+              &q = tables_.scene_planes[other_plane];
+  // one plane, recorded twice
+  if (p.point == q.point &&
+      (p.exact_normal == q.exact_normal || p.exact_normal == -q.exact_normal)) {
     ++counts.by_identity;
     return 0;
   }
@@ -74,8 +83,8 @@ int Lines::nearer(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32
   hold(cone, i, facet, held);
   // An edge in both planes.
   const auto is_common = [&](const LightLine& l) {
-    return !l.crossing && exact_->contains(p, l.v[0]) && exact_->contains(q, l.v[0]) && exact_->contains(p, l.v[1]) &&
-           exact_->contains(q, l.v[1]);
+    return !l.crossing && exact_->contains(p, l.v[0]) && exact_->contains(q, l.v[0]) &&
+           exact_->contains(p, l.v[1]) && exact_->contains(q, l.v[1]);
   };
   if (!held.corner.vertex && (is_common(held.in) || is_common(held.out))) return 0;
   return exact_->nearer(p, q, held.corner);
@@ -90,14 +99,17 @@ VertexRay Lines::ray(EdgeRef in, EdgeRef out) const {
   return rounded(exact_->ray({nullptr, false, &a, &b, in.negative(), out.negative()}));
 }
 
-Vec3 Lines::point(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t facet, PointCache& cache) const {
+Vec3 Lines::point(std::span<const ConeCorner> cone, std::uint32_t i, std::uint32_t facet,
+                  PointCache& cache) const {
   const std::uint32_t plane = tables_.facets[facet].plane;
   const auto make = [&] {
     Held held;
     hold(cone, i, facet, held);
     return exact_->point(tables_.scene_planes[plane], held.corner);
   };
-  return cone[i].vertex != none ? make() : cache.get(plane, incoming(cone, i).line(), cone[i].edge.line(), make);
+  return cone[i].vertex != none
+             ? make()
+             : cache.get(plane, incoming(cone, i).line(), cone[i].edge.line(), make);
 }
 
 Construction Lines::construction(std::span<const ConeCorner> cone, std::uint32_t i) const {

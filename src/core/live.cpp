@@ -10,13 +10,19 @@ namespace {
 
 constexpr std::uint32_t not_yet = 0;  // of an update's number
 
-bool is_pp(const CellTree& tree, std::uint32_t node) { return tree.child_at(tree.links()[node].parent).is_pp(); }
+bool is_pp(const CellTree& tree, std::uint32_t node) {
+  return tree.child_at(tree.links()[node].parent).is_pp();
+}
 
-bool is_in_front(Piece::Kind kind) { return kind == Piece::Kind::owner || kind == Piece::Kind::coplanar; }
+bool is_in_front(Piece::Kind kind) {
+  return kind == Piece::Kind::owner || kind == Piece::Kind::coplanar;
+}
 
 }  // namespace
 
-std::uint32_t LiveCell::state_of(const CellTree& tree, Child c) const { return SHADOWCUT_NUMBERS::state_of(tree, states_, c); }
+std::uint32_t LiveCell::state_of(const CellTree& tree, Child c) const {
+  return SHADOWCUT_NUMBERS::state_of(tree, states_, c);
+}
 
 void LiveCell::make_room(const CellTree& tree) {
   states_.resize(tree.nodes().size(), mixed_state);
@@ -33,7 +39,8 @@ void LiveCell::begin(Block& block, std::uint32_t update) {
   born_.clear();
 }
 
-void LiveCell::start(const CellTree& tree, const EmitTarget& target, Workspace& w, Block& block, std::uint32_t update) {
+void LiveCell::start(const CellTree& tree, const EmitTarget& target, Workspace& w, Block& block,
+                     std::uint32_t update) {
   block_ = &block;
   update_ = update;
   forget_fragments();
@@ -74,7 +81,8 @@ void LiveCell::forget_fragments() {
 // True: it is another one than before.
 bool LiveCell::find_state(const CellTree& tree, const EmitTarget& target, std::uint32_t node) {
   const Node& n = tree.nodes()[node];
-  const std::uint32_t state = joint_state(target.scene, state_of(tree, n.child[0]), state_of(tree, n.child[1]));
+  const std::uint32_t state =
+      joint_state(target.scene, state_of(tree, n.child[0]), state_of(tree, n.child[1]));
   return std::exchange(states_[node], state) != state;
 }
 
@@ -84,42 +92,52 @@ void LiveCell::settle(const CellTree& tree, const EmitTarget& target, Workspace&
   sort_unique(changed_);
   sort_unique(added_pieces_);
 
-  // States first, all of them: what is settled is asked of every branch below. Where a state stays, nothing above learns of the change.
+  // States first, all of them: what is settled is asked of every branch below. Where a state stays,
+  // nothing above learns of the change.
   if (merge_) {
     for (std::uint32_t place : changed_) {
-      for (; place != root_place && !is_pp(tree, place >> 1); place = tree.links()[place >> 1].parent) {
+      for (; place != root_place && !is_pp(tree, place >> 1);
+           place = tree.links()[place >> 1].parent) {
         if (!find_state(tree, target, place >> 1)) break;
       }
     }
   }
-  // What has to be handed out again begins at the highest place that was settled or has become so, or else at the change. The way to it
-  // from the PP-node is marked, so that pieces there need not be taken elsewhere. Above a marked way no place is settled, or was.
+  // What has to be handed out again begins at the highest place that was settled or has become so,
+  // or else at the change. The way to it from the PP-node is marked, so that pieces there need not
+  // be taken elsewhere. Above a marked way no place is settled, or was.
   const std::uint32_t on_the_way = ++visits_ * 2, all_below = on_the_way + 1;
   std::vector<std::uint32_t> pps;
   for (const std::uint32_t change : changed_) {
     std::uint32_t top = change, place = change;
-    for (; place != root_place && visit_[place] < on_the_way; place = tree.links()[place >> 1].parent) {
-      if (at_place_[place] != none || state_of(tree, tree.child_at(place)) != mixed_state) top = place;
+    for (; place != root_place && visit_[place] < on_the_way;
+         place = tree.links()[place >> 1].parent) {
+      if (at_place_[place] != none || state_of(tree, tree.child_at(place)) != mixed_state)
+        top = place;
       if (!is_pp(tree, place >> 1)) continue;
       pps.push_back(place >> 1);
       break;
     }
-    if (place == root_place || visit_[place] == all_below) continue;  // in front of nothing; or handed out again already
+    // in front of nothing; or handed out again already
+    if (place == root_place || visit_[place] == all_below) continue;
     drop_below(tree, top);
     visit_[top] = all_below;
-    for (std::uint32_t p = top; p != place;) {  // to the place in front of the PP-node, or a way already marked
+    // to the place in front of the PP-node, or a way already marked
+    for (std::uint32_t p = top; p != place;) {
       p = tree.links()[p >> 1].parent;
       visit_[p] = std::max(visit_[p], on_the_way);
     }
   }
   changed_.clear();
   sort_unique(pps);
-  const auto is_new = [this](std::uint32_t p) { return std::binary_search(added_pieces_.begin(), added_pieces_.end(), p); };
+  const auto is_new = [this](std::uint32_t p) {
+    return std::binary_search(added_pieces_.begin(), added_pieces_.end(), p);
+  };
   for (const std::uint32_t pp : pps) {
     const std::uint32_t owner = tree.nodes()[pp].id;
     if (!is_new(owner)) emit_in_front(tree, owner, on_the_way, target, w);
     for (std::uint32_t p = tree.links()[pp].first; p != none; p = tree.pieces()[p].next) {
-      if (tree.pieces()[p].kind == Piece::Kind::coplanar && !is_new(p)) emit_in_front(tree, p, on_the_way, target, w);
+      if (tree.pieces()[p].kind == Piece::Kind::coplanar && !is_new(p))
+        emit_in_front(tree, p, on_the_way, target, w);
     }
   }
   for (const std::uint32_t p : added_pieces_) emit_piece(tree, p, target, w);
@@ -165,10 +183,12 @@ void LiveCell::drop(std::uint32_t fragment) {
   free_corners_.give_back(f.first_corner, f.corner_count);
 
   if (r.of_piece_next != none) records_[r.of_piece_next].of_piece_previous = r.of_piece_previous;
-  (r.of_piece_previous != none ? records_[r.of_piece_previous].of_piece_next : of_piece_[f.id.piece]) = r.of_piece_next;
+  (r.of_piece_previous != none ? records_[r.of_piece_previous].of_piece_next
+                               : of_piece_[f.id.piece]) = r.of_piece_next;
   if (f.id.place != none) {
     if (r.at_place_next != none) records_[r.at_place_next].at_place_previous = r.at_place_previous;
-    (r.at_place_previous != none ? records_[r.at_place_previous].at_place_next : at_place_[f.id.place]) = r.at_place_next;
+    (r.at_place_previous != none ? records_[r.at_place_previous].at_place_next
+                                 : at_place_[f.id.place]) = r.at_place_next;
   }
   // The last one takes its index.
   const auto last = static_cast<std::uint32_t>(fragments.size() - 1);
@@ -177,23 +197,27 @@ void LiveCell::drop(std::uint32_t fragment) {
     const Record& moved = records_[fragment] = records_[last];
     const FragmentId& id = fragments[fragment].id;
     if (moved.of_piece_next != none) records_[moved.of_piece_next].of_piece_previous = fragment;
-    (moved.of_piece_previous != none ? records_[moved.of_piece_previous].of_piece_next : of_piece_[id.piece]) = fragment;
+    (moved.of_piece_previous != none ? records_[moved.of_piece_previous].of_piece_next
+                                     : of_piece_[id.piece]) = fragment;
     if (id.place != none) {
       if (moved.at_place_next != none) records_[moved.at_place_next].at_place_previous = fragment;
-      (moved.at_place_previous != none ? records_[moved.at_place_previous].at_place_next : at_place_[id.place]) = fragment;
+      (moved.at_place_previous != none ? records_[moved.at_place_previous].at_place_next
+                                       : at_place_[id.place]) = fragment;
     }
   }
   fragments.pop_back();
   records_.pop_back();
 }
 
-void LiveCell::add(const CellTree& tree, std::uint32_t piece, std::uint32_t place, std::uint32_t state, std::span<const ConeCorner> cone,
-                   const EmitTarget& target, Workspace& w) {
+void LiveCell::add(const CellTree& tree, std::uint32_t piece, std::uint32_t place,
+                   std::uint32_t state, std::span<const ConeCorner> cone, const EmitTarget& target,
+                   Workspace& w) {
   const auto index = static_cast<std::uint32_t>(block_->fragments.size());
   const auto count = static_cast<std::uint32_t>(cone.size());
   const std::uint32_t facet = tree.pieces()[piece].facet, face = target.tables.facets[facet].face;
   const std::uint32_t first = free_corners_.take(block_->corners, count);
-  const double area = place_polygon(target, tree.lines(), facet, cone, w.points, block_->corners.data() + first);
+  const double area =
+      place_polygon(target, tree.lines(), facet, cone, w.points, block_->corners.data() + first);
   if (target.constructions) note_constructions(target, tree.lines(), cone, first, *block_);
   const bool lit = state == lit_state;
   const FragmentId id{cell_, piece, place};
@@ -212,11 +236,14 @@ void LiveCell::add(const CellTree& tree, std::uint32_t piece, std::uint32_t plac
 }
 
 // All fragments of a piece.
-void LiveCell::emit_piece(const CellTree& tree, std::uint32_t p, const EmitTarget& target, Workspace& w) {
+void LiveCell::emit_piece(const CellTree& tree, std::uint32_t p, const EmitTarget& target,
+                          Workspace& w) {
   const Piece& piece = tree.pieces()[p];
   if (!hands_out(target, piece)) return;
   if (!is_in_front(piece.kind)) {
-    add(tree, p, none, piece.kind == Piece::Kind::at_leaf ? lit_state : owner_face(tree, piece.place), tree.corners(piece), target, w);
+    add(tree, p, none,
+        piece.kind == Piece::Kind::at_leaf ? lit_state : owner_face(tree, piece.place),
+        tree.corners(piece), target, w);
     return;
   }
   const std::uint32_t front = piece.place * 2;
@@ -225,8 +252,10 @@ void LiveCell::emit_piece(const CellTree& tree, std::uint32_t p, const EmitTarge
   emit_in_front(tree, p, 0, target, w);
 }
 
-// The fragments of a piece at settled places, of those reached by marked ways only (see settle(); 0: of all).
-void LiveCell::emit_in_front(const CellTree& tree, std::uint32_t p, std::uint32_t way, const EmitTarget& target, Workspace& w) {
+// The fragments of a piece at settled places, of those reached by marked ways only (see settle();
+// 0: of all).
+void LiveCell::emit_in_front(const CellTree& tree, std::uint32_t p, std::uint32_t way,
+                             const EmitTarget& target, Workspace& w) {
   const Piece& piece = tree.pieces()[p];
   if (!hands_out(target, piece)) return;
   const auto send = [&w](Cone* cone, std::uint32_t place, std::uint32_t from_here) {
@@ -280,7 +309,8 @@ void LiveCell::list_added(std::vector<LightChanges::Added>& out) {
   }
 }
 
-void LiveCell::list_old(const Block& block, std::uint32_t update, std::vector<FragmentId>& out) const {
+void LiveCell::list_old(const Block& block, std::uint32_t update,
+                        std::vector<FragmentId>& out) const {
   if (update_ == update) out.insert(out.end(), gone_.begin(), gone_.end());
   for (std::size_t i = 0; i < records_.size(); ++i) {
     if (records_[i].born != update) out.push_back(block.fragments[i].id);
@@ -288,16 +318,22 @@ void LiveCell::list_old(const Block& block, std::uint32_t update, std::vector<Fr
 }
 
 std::uint64_t LiveCell::bytes() const {
-  return records_.size() * sizeof(Record) + 4 * (at_place_.size() + of_piece_.size() + states_.size() + visit_.size());
+  return records_.size() * sizeof(Record) +
+         4 * (at_place_.size() + of_piece_.size() + states_.size() + visit_.size());
 }
 
-std::string LiveCell::validate(const CellTree& tree, const EmitTarget& target, const Block& block) const {
-  const auto say = [](const char* what, std::size_t which) { return std::string(what) + " (" + std::to_string(which) + ")"; };
-  if (records_.size() != block.fragments.size()) return "fragments and their records differ in number";
+std::string LiveCell::validate(const CellTree& tree, const EmitTarget& target,
+                               const Block& block) const {
+  const auto say = [](const char* what, std::size_t which) {
+    return std::string(what) + " (" + std::to_string(which) + ")";
+  };
+  if (records_.size() != block.fragments.size())
+    return "fragments and their records differ in number";
   std::size_t corners = free_corners_.unused();
   for (const Fragment& f : block.fragments) corners += f.corner_count;
   if (corners != block.corners.size()) return "corners are lost, or used twice";
-  // 10. In front of a PP-node, an SP-node's state is what its sides are in. (Elsewhere nobody asks.)
+  // 10. In front of a PP-node, an SP-node's state is what its sides are in. (Elsewhere nobody
+  // asks.)
   std::vector<std::uint8_t> below_pp(tree.nodes().size(), 0);
   std::vector<Child> pending{tree.root()};
   while (!pending.empty() && merge_) {
@@ -311,15 +347,18 @@ std::string LiveCell::validate(const CellTree& tree, const EmitTarget& target, c
       pending.push_back(c);
     }
     if (!here.is_sp() || !below_pp[here.node()]) continue;
-    if (states_[here.node()] != joint_state(target.scene, state_of(tree, node.child[0]), state_of(tree, node.child[1])))
+    if (states_[here.node()] !=
+        joint_state(target.scene, state_of(tree, node.child[0]), state_of(tree, node.child[1])))
       return say("a node's state is not its sides'", here.node());
   }
-  // 11. A fragment is found under its id, hangs at a settled place in front of its piece's PP-node, and is in the state of that place.
+  // 11. A fragment is found under its id, hangs at a settled place in front of its piece's PP-node,
+  // and is in the state of that place.
   for (std::uint32_t i = 0; i < block.fragments.size(); ++i) {
     const Fragment& f = block.fragments[i];
     if (find(f.id) != i) return say("a fragment is not found under its id", i);
     const Piece& piece = tree.pieces()[f.id.piece];
-    if (!hands_out(target, piece) || piece.facet != f.facet) return say("a fragment's piece is not its own", i);
+    if (!hands_out(target, piece) || piece.facet != f.facet)
+      return say("a fragment's piece is not its own", i);
     std::uint32_t state = lit_state;
     if (is_in_front(piece.kind)) {
       std::uint32_t place = f.id.place;
@@ -328,14 +367,17 @@ std::string LiveCell::validate(const CellTree& tree, const EmitTarget& target, c
       while (!is_pp(tree, place >> 1)) {
         place = tree.links()[place >> 1].parent;
         if (place == root_place) return say("a fragment's place is in front of nothing", i);
-        if (state_of(tree, tree.child_at(place)) != mixed_state) return say("a fragment's place is part of a settled one", i);
+        if (state_of(tree, tree.child_at(place)) != mixed_state)
+          return say("a fragment's place is part of a settled one", i);
       }
-      if (place >> 1 != piece.place) return say("a fragment's place is not in front of its piece", i);
+      if (place >> 1 != piece.place)
+        return say("a fragment's place is not in front of its piece", i);
     } else {
       if (f.id.place != none) return say("a fragment away from all PP-nodes has a place", i);
       if (piece.kind == Piece::Kind::behind) state = owner_face(tree, piece.place);
     }
-    if (f.lit != (state == lit_state) || (!f.lit && f.caster != state)) return say("a fragment's state is not its place's", i);
+    if (f.lit != (state == lit_state) || (!f.lit && f.caster != state))
+      return say("a fragment's state is not its place's", i);
   }
   return {};
 }

@@ -1,9 +1,11 @@
 // The fragments of one cell, kept right while its tree is edited.
 //
-// A fragment hangs at two places: at its piece, and, if the piece is on a PP-node (its owner, or coplanar with it), at the place in front
-// of that PP-node that it fills. There is one for every piece and every *settled* place: one whose branch is in one state throughout (lit,
-// or shadowed by one object's faces) while the branch above is not. So a change of the tree concerns the fragments at the places where it
-// happened, and, where states change, at places above: nothing else is looked at.
+// A fragment hangs at two places: at its piece, and, if the piece is on a PP-node (its owner, or
+// coplanar with it), at the place in front of that PP-node that it fills. There is one for every
+// piece and every *settled* place: one whose branch is in one state throughout (lit, or shadowed by
+// one object's faces) while the branch above is not. So a change of the tree concerns the fragments
+// at the places where it happened, and, where states change, at places above: nothing else is
+// looked at.
 #pragma once
 
 #include <cstdint>
@@ -38,11 +40,12 @@ class LiveCell {
   }
 
   // Hands out all fragments of a tree just built.
-  void start(const CellTree& tree, const EmitTarget& target, Workspace& w, Block& block, std::uint32_t update);
+  void start(const CellTree& tree, const EmitTarget& target, Workspace& w, Block& block,
+             std::uint32_t update);
   // The tree has been made anew: all fragments go, and are handed out again.
   void start_again(const CellTree& tree, const EmitTarget& target, Workspace& w);
-  // Brings the fragments up to date with the tree. Before its first change in an update, `begin` says which update it is, and where
-  // the fragments are.
+  // Brings the fragments up to date with the tree. Before its first change in an update, `begin`
+  // says which update it is, and where the fragments are.
   void begin(Block& block, std::uint32_t update);
   void settle(const CellTree& tree, const EmitTarget& target, Workspace& w);
 
@@ -73,10 +76,12 @@ class LiveCell {
   void drop(std::uint32_t fragment);
   void drop_below(const CellTree& tree, std::uint32_t place);
   bool find_state(const CellTree& tree, const EmitTarget& target, std::uint32_t node);
-  void emit_in_front(const CellTree& tree, std::uint32_t piece, std::uint32_t way, const EmitTarget& target, Workspace& w);
-  void emit_piece(const CellTree& tree, std::uint32_t piece, const EmitTarget& target, Workspace& w);
-  void add(const CellTree& tree, std::uint32_t piece, std::uint32_t place, std::uint32_t state, std::span<const ConeCorner> cone,
-           const EmitTarget& target, Workspace& w);
+  void emit_in_front(const CellTree& tree, std::uint32_t piece, std::uint32_t way,
+                     const EmitTarget& target, Workspace& w);
+  void emit_piece(const CellTree& tree, std::uint32_t piece, const EmitTarget& target,
+                  Workspace& w);
+  void add(const CellTree& tree, std::uint32_t piece, std::uint32_t place, std::uint32_t state,
+           std::span<const ConeCorner> cone, const EmitTarget& target, Workspace& w);
 
   std::uint32_t cell_;
   bool merge_;

@@ -1,11 +1,15 @@
-// Numbers for the signs and roundings that plain doubles leave open. One formula, written for any of them (exact.cpp), serves all three:
+// Numbers for the signs and roundings that plain doubles leave open. One formula, written for any
+// of them (exact.cpp), serves all three:
 //
-//   Tracked    a sum of two doubles and a bound on its error: for corners, which need some bits more than a double has
-//   Expansion  a sum of doubles, exact as long as nothing leaves the range of double: for signs, short numbers cost little
+//   Tracked    a sum of two doubles and a bound on its error: for corners, which need some bits
+//              more than a double has
+//   Expansion  a sum of doubles, exact as long as nothing leaves the range of double: for signs,
+//              short numbers cost little
 //   Wide       an integer times a power of two: exact, whatever the exponents
 //
-// Sources: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997 (sums and
-// products of expansions). Everything here needs round-to-even and unfused operations.
+// Sources: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+// Predicates", 1997 (sums and products of expansions). Everything here needs round-to-even and
+// unfused operations.
 #pragma once
 
 #include <algorithm>
@@ -125,7 +129,9 @@ inline double quotient(const TwoDoubles& a, const TwoDoubles& b) {
   const TwoDoubles p = two_product(q, b.high);
   return q + (((a.high - p.high) - p.low) + (a.low - q * b.low)) / b.high;
 }
-inline double quotient(const Expansion& a, const Expansion& b) { return a.sign() == 0 ? 0.0 : quotient(a.leading(), b.leading()); }
+inline double quotient(const Expansion& a, const Expansion& b) {
+  return a.sign() == 0 ? 0.0 : quotient(a.leading(), b.leading());
+}
 
 class Wide {
  public:
@@ -145,7 +151,8 @@ class Wide {
     if (b.mantissa_.is_zero()) return a;
     if (a.exponent_ < b.exponent_) return b + a;
     Wide out;
-    out.mantissa_ = (a.mantissa_ << static_cast<std::size_t>(a.exponent_ - b.exponent_)) + b.mantissa_;
+    out.mantissa_ =
+        (a.mantissa_ << static_cast<std::size_t>(a.exponent_ - b.exponent_)) + b.mantissa_;
     out.exponent_ = b.exponent_;
     return out;
   }
@@ -160,8 +167,9 @@ class Wide {
     out.exponent_ = a.exponent_ + b.exponent_;
     return out;
   }
-  // To within 2^-10 ulp of rounding correctly; of a subnormal number, within an ulp. Reckoned without signs: Boost 1.74 may lose that of a
-  // negative number of several limbs when it is shifted down.
+  // To within 2^-10 ulp of rounding correctly; of a subnormal number, within an ulp. Reckoned
+  // without signs: Boost 1.74 may lose that of a negative number of several limbs when it is
+  // shifted down.
   friend double quotient(const Wide& a, const Wide& b) {
     if (a.mantissa_.is_zero()) return 0;
     using boost::multiprecision::cpp_int;
@@ -175,7 +183,8 @@ class Wide {
       exponent += more;
     }
     const double size =
-        std::ldexp(static_cast<double>(static_cast<std::int64_t>(q)), static_cast<int>(std::clamp<std::int64_t>(exponent, -4000, 4000)));
+        std::ldexp(static_cast<double>(static_cast<std::int64_t>(q)),
+                   static_cast<int>(std::clamp<std::int64_t>(exponent, -4000, 4000)));
     return a.sign() == b.sign() ? size : -size;
   }
 
@@ -184,8 +193,9 @@ class Wide {
   std::int64_t exponent_ = 0;
 };
 
-// Each operation loses less than 2^-100 of its result (Dekker's sums and products of two doubles lose some 2^-104), nothing if its operands
-// are single doubles, and hands on what they may be wrong by. Bounds grow by a little at every step to pay for their own rounding.
+// Each operation loses less than 2^-100 of its result (Dekker's sums and products of two doubles
+// lose some 2^-104), nothing if its operands are single doubles, and hands on what they may be
+// wrong by. Bounds grow by a little at every step to pay for their own rounding.
 class Tracked {
  public:
   Tracked() = default;
@@ -205,10 +215,13 @@ class Tracked {
     const TwoDoubles first = fast_two_sum(s.high, s.low + t.high);
     return rounded(fast_two_sum(first.high, first.low + t.low), a.error_ + b.error_);
   }
-  friend Tracked operator-(const Tracked& a, const Tracked& b) { return a + Tracked({-b.value_.high, -b.value_.low}, b.error_); }
+  friend Tracked operator-(const Tracked& a, const Tracked& b) {
+    return a + Tracked({-b.value_.high, -b.value_.low}, b.error_);
+  }
   friend Tracked operator*(const Tracked& a, const Tracked& b) {
     const TwoDoubles p = two_product(a.value_.high, b.value_.high);
-    const double error = std::abs(a.value_.high) * b.error_ + std::abs(b.value_.high) * a.error_ + 2 * a.error_ * b.error_;
+    const double error = std::abs(a.value_.high) * b.error_ + std::abs(b.value_.high) * a.error_ +
+                         2 * a.error_ * b.error_;
     if (a.value_.low == 0 && b.value_.low == 0) return Tracked(p, more(error));
     const double low = p.low + (a.value_.high * b.value_.low + a.value_.low * b.value_.high);
     return rounded(fast_two_sum(p.high, low), error);
@@ -216,7 +229,9 @@ class Tracked {
 
  private:
   Tracked(const TwoDoubles& value, double error) : value_(value), error_(error) {}
-  static Tracked rounded(const TwoDoubles& value, double error) { return Tracked(value, more(error) + std::abs(value.high) * 0x1p-99); }
+  static Tracked rounded(const TwoDoubles& value, double error) {
+    return Tracked(value, more(error) + std::abs(value.high) * 0x1p-99);
+  }
   static double more(double error) { return error * (1 + 0x1p-40); }
 
   TwoDoubles value_{0, 0};

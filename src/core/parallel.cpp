@@ -1,4 +1,5 @@
-// Compiled without ThreadSanitizer (parallel.hpp says why), so it must make no use of what depends on that.
+// Compiled without ThreadSanitizer (parallel.hpp says why), so it must make no use of what depends
+// on that.
 
 #include "parallel.hpp"
 
@@ -29,9 +30,11 @@ void Threads::execute(const void* task, void (*run)(const void*)) {
   arena_->arena.execute([=] { run(task); });
 }
 
-void run_ranges(std::size_t count, std::size_t grain, const void* task, void (*run)(const void*, std::size_t, std::size_t)) {
+void run_ranges(std::size_t count, std::size_t grain, const void* task,
+                void (*run)(const void*, std::size_t, std::size_t)) {
   using Range = tbb::blocked_range<std::size_t>;
-  tbb::parallel_for(Range(0, count, grain), [=](const Range& range) { run(task, range.begin(), range.end()); });
+  tbb::parallel_for(Range(0, count, grain),
+                    [=](const Range& range) { run(task, range.begin(), range.end()); });
 }
 
 }  // namespace shadowcut

@@ -1,11 +1,14 @@
-// What the engine does on several threads: its loops, the threads they may use, and what a thread keeps for itself. Over oneTBB, of which
-// no other file knows. Where there are no threads (the CMake option SHADOWCUT_THREADS) SHADOWCUT_SERIAL is defined, oneTBB is not needed,
-// and the same loops run one body after another.
+// What the engine does on several threads: its loops, the threads they may use, and what a thread
+// keeps for itself. Over oneTBB, of which no other file knows. Where there are no threads (the
+// CMake option SHADOWCUT_THREADS) SHADOWCUT_SERIAL is defined, oneTBB is not needed, and the same
+// loops run one body after another.
 //
-// ThreadSanitizer cannot see into oneTBB as distributions ship it, so it is told here what oneTBB guarantees: what came before a loop came
-// before each body, and each body before what follows the loop. Nothing is said to order one body with another, so a race between two of
-// them is found. For the same reason TBB's templates are in parallel.cpp, which is compiled without ThreadSanitizer: of a library half seen
-// it reports races that are none, and takes its counters for an order of the bodies, which may hide some that are.
+// ThreadSanitizer cannot see into oneTBB as distributions ship it, so it is told here what oneTBB
+// guarantees: what came before a loop came before each body, and each body before what follows the
+// loop. Nothing is said to order one body with another, so a race between two of them is found. For
+// the same reason TBB's templates are in parallel.cpp, which is compiled without ThreadSanitizer:
+// of a library half seen it reports races that are none, and takes its counters for an order of the
+// bodies, which may hide some that are.
 #pragma once
 
 #ifndef SHADOWCUT_SERIAL
@@ -28,8 +31,9 @@
 
 namespace shadowcut {
 
-// The order between a caller and bodies. It is of the caller, and begins with its fork and ends with its join, which have an address each:
-// a body that ends must not release what another, about to begin, acquires.
+// The order between a caller and bodies. It is of the caller, and begins with its fork and ends
+// with its join, which have an address each: a body that ends must not release what another, about
+// to begin, acquires.
 class ForkJoin {
  public:
   ForkJoin() { release(&fork_); }
@@ -60,8 +64,10 @@ class ForkJoin {
   mutable char fork_, join_;  // nothing but addresses
 };
 
-// Calls run(task, begin, end) for ranges that make up [0, count), on any of the threads; divides none that is no longer than the grain.
-void run_ranges(std::size_t count, std::size_t grain, const void* task, void (*run)(const void* task, std::size_t begin, std::size_t end));
+// Calls run(task, begin, end) for ranges that make up [0, count), on any of the threads; divides
+// none that is no longer than the grain.
+void run_ranges(std::size_t count, std::size_t grain, const void* task,
+                void (*run)(const void* task, std::size_t begin, std::size_t end));
 
 // Calls body(i) for every i of [0, count), in any order.
 template <class Body>

@@ -15,7 +15,8 @@ bool dividing_plane(std::span<Vec3> rays, bool far, Vec3& n) {
     std::ptrdiff_t best = count / 8;
     int axis = -1;
     for (int a = 0; a < 3; ++a) {
-      const std::ptrdiff_t above = std::count_if(rays.begin(), rays.end(), [a](const Vec3& r) { return r[a] > 0; });
+      const std::ptrdiff_t above =
+          std::count_if(rays.begin(), rays.end(), [a](const Vec3& r) { return r[a] > 0; });
       c[a] = 2 * above > count ? 1 : -1;
       if (std::min(above, count - above) > best) best = std::min(above, count - above), axis = a;
     }
@@ -24,7 +25,8 @@ bool dividing_plane(std::span<Vec3> rays, bool far, Vec3& n) {
       return true;
     }
   }
-  // Inside an octant r / (c.r) maps the rays to a flat triangle; take the median along its longer side.
+  // Inside an octant r / (c.r) maps the rays to a flat triangle; take the median along its longer
+  // side.
   const int axes = far ? 2 : 3;
   int axis = 0;
   double widest = -1;
@@ -39,7 +41,8 @@ bool dividing_plane(std::span<Vec3> rays, bool far, Vec3& n) {
     if (variance > widest) widest = variance, axis = a;
   }
   const auto middle = rays.begin() + count / 2;
-  std::nth_element(rays.begin(), middle, rays.end(), [&](const Vec3& a, const Vec3& b) { return along(a, axis) < along(b, axis); });
+  std::nth_element(rays.begin(), middle, rays.end(),
+                   [&](const Vec3& a, const Vec3& b) { return along(a, axis) < along(b, axis); });
   const double k = along(*middle, axis);
   if (!std::isfinite(k)) return false;
   n = (Vec3::Unit(axis) - k * c).normalized();
@@ -48,7 +51,8 @@ bool dividing_plane(std::span<Vec3> rays, bool far, Vec3& n) {
 
 }  // namespace
 
-Prefix::Prefix(std::vector<Vec3> rays, bool far, std::uint32_t facets_per_cell, std::vector<Line>& lines) {
+Prefix::Prefix(std::vector<Vec3> rays, bool far, std::uint32_t facets_per_cell,
+               std::vector<Line>& lines) {
   struct Range {
     std::size_t begin, end;
     std::uint32_t parent, side, depth;
@@ -61,14 +65,20 @@ Prefix::Prefix(std::vector<Vec3> rays, bool far, std::uint32_t facets_per_cell, 
     Branch branch = Branch::cell(static_cast<std::uint32_t>(cells_));
     Vec3 n;
     if (facets_per_cell != 0 && here.size() > facets_per_cell && dividing_plane(here, far, n)) {
-      const auto middle = std::partition(here.begin(), here.end(), [&n](const Vec3& r) { return n.dot(r) > 0; });
+      const auto middle =
+          std::partition(here.begin(), here.end(), [&n](const Vec3& r) { return n.dot(r) > 0; });
       const std::size_t cut = range.begin + static_cast<std::size_t>(middle - here.begin());
       if (cut > range.begin && cut < range.end) {
         branch = Branch::node(static_cast<std::uint32_t>(nodes_.size()));
         node_above_.push_back({range.parent, range.side});
-        nodes_.push_back({static_cast<std::uint32_t>(lines.size()), {Branch::cell(0), Branch::cell(0)}});
+        nodes_.push_back(
+            {static_cast<std::uint32_t>(lines.size()), {Branch::cell(0), Branch::cell(0)}});
         // The line is what these numbers say: no error.
-        lines.push_back({{static_cast<Real>(n[0]), static_cast<Real>(n[1]), static_cast<Real>(n[2])}, 0.0f, none, none});
+        lines.push_back(
+            {{static_cast<Real>(n[0]), static_cast<Real>(n[1]), static_cast<Real>(n[2])},
+             0.0f,
+             none,
+             none});
         pending.push_back({cut, range.end, branch.index(), 1, range.depth + 1});
         pending.push_back({range.begin, cut, branch.index(), 0, range.depth + 1});
       }

@@ -1,5 +1,5 @@
-// The balanced prefix: a k-d tree of plain dividing planes through the light, by median splits of the facets' ray directions. Its cells are
-// small trees of their own, built by one thread each.
+// The balanced prefix: a k-d tree of plain dividing planes through the light, by median splits of
+// the facets' ray directions. Its cells are small trees of their own, built by one thread each.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ namespace shadowcut::SHADOWCUT_NUMBERS {
 
 class Prefix {
  public:
-  // One unit ray for each facet. `far`: the rays lie in a bundle around the third axis (LightSpace::far), otherwise anywhere.
-  // Appends its lines to `lines`.
+  // One unit ray for each facet. `far`: the rays lie in a bundle around the third axis
+  // (LightSpace::far), otherwise anywhere. Appends its lines to `lines`.
   Prefix(std::vector<Vec3> rays, bool far, std::uint32_t facets_per_cell, std::vector<Line>& lines);
 
   struct Branch {  // a node, or a cell
@@ -33,8 +33,10 @@ class Prefix {
   Branch root() const { return root_; }
   std::uint32_t depth_of(std::uint32_t cell) const { return depth_[cell]; }
 
-  // The part of a cone that filter() delivers to one cell. Takes the cone; null if none comes there.
-  Cone* part_in(std::uint32_t cell, Cone* cone, const Lines& lines, ConePool& pool, std::vector<std::int8_t>& spill) const {
+  // The part of a cone that filter() delivers to one cell. Takes the cone; null if none comes
+  // there.
+  Cone* part_in(std::uint32_t cell, Cone* cone, const Lines& lines, ConePool& pool,
+                std::vector<std::int8_t>& spill) const {
     std::vector<Step> way;
     for (Step s = cell_above_[cell]; s.node != none; s = node_above_[s.node]) way.push_back(s);
     SignCounts counts;
@@ -42,7 +44,8 @@ class Prefix {
       const Line& line = lines(nodes_[s->node].line);
       Cone* cut_off;
       const std::uint32_t side = sift(
-          cone, line.n, line.error, nodes_[s->node].line, lines, [](EdgeRef) { return true; }, pool, spill, cut_off, counts);
+          cone, line.n, line.error, nodes_[s->node].line, lines, [](EdgeRef) { return true; }, pool,
+          spill, cut_off, counts);
       if (side != s->side) std::swap(cone, cut_off);
       if (cut_off) pool.give_back(cut_off);
       if (!cone) return nullptr;
@@ -52,8 +55,8 @@ class Prefix {
 
   // Filters a cone into the cells it meets; deliver(cell, cone) takes each part.
   template <class Deliver>
-  void filter(Cone* cone, const Lines& lines, ConePool& pool, std::vector<std::int8_t>& spill, std::vector<Cone*>& pending,
-              Deliver deliver) const {
+  void filter(Cone* cone, const Lines& lines, ConePool& pool, std::vector<std::int8_t>& spill,
+              std::vector<Cone*>& pending, Deliver deliver) const {
     cone->at = root_.bits;
     SignCounts counts;
     const std::size_t bottom = pending.size();
@@ -67,7 +70,8 @@ class Prefix {
         const Line& line = lines(node.line);
         Cone* cut_off;
         here = node.side[sift(
-            cone, line.n, line.error, node.line, lines, [](EdgeRef) { return true; }, pool, spill, cut_off, counts)];
+            cone, line.n, line.error, node.line, lines, [](EdgeRef) { return true; }, pool, spill,
+            cut_off, counts)];
         if (cut_off) {
           cut_off->at = node.side[1].bits;
           pending.push_back(cut_off);

@@ -1,7 +1,8 @@
 // Scene: what has passed the door, in flat arrays, and the edits that change it.
 //
-// Every object has its *room*: a stretch of each array. A removed object's room is given to a later one that fits. Objects stand in a list
-// by their last change, so that an engine finds what is new in time proportional to that.
+// Every object has its *room*: a stretch of each array. A removed object's room is given to a later
+// one that fits. Objects stand in a list by their last change, so that an engine finds what is new
+// in time proportional to that.
 
 #include <algorithm>
 #include <atomic>
@@ -25,7 +26,9 @@ void Mesh::add_hole(std::span<const std::uint32_t> loop) {
   face_ends_.back() = loop_ends_.size();
 }
 
-std::size_t Mesh::loop_count(std::size_t face) const { return face_ends_[face] - (face ? face_ends_[face - 1] : 0); }
+std::size_t Mesh::loop_count(std::size_t face) const {
+  return face_ends_[face] - (face ? face_ends_[face - 1] : 0);
+}
 
 std::span<const std::uint32_t> Mesh::loop(std::size_t face, std::size_t k) const {
   const std::size_t l = (face ? face_ends_[face - 1] : 0) + k;
@@ -55,15 +58,20 @@ const char* describe(Reason reason) {
   return "";
 }
 
-bool refuses(Reason reason) { return reason != Reason::repeated_corner && reason != Reason::not_flat; }
+bool refuses(Reason reason) {
+  return reason != Reason::repeated_corner && reason != Reason::not_flat;
+}
 
 void check(const Light& light, const std::string& who) {
   if (!light.at.allFinite()) throw Error(who + ": a coordinate is not finite");
-  if (light.kind == Light::Kind::directional && light.at.isZero(0)) throw Error(who + ": its direction is zero");
+  if (light.kind == Light::Kind::directional && light.at.isZero(0))
+    throw Error(who + ": its direction is zero");
   if (!(light.range > 0)) throw Error(who + ": its range is not positive");
   if (light.spot) {
-    if (!light.spot->axis.allFinite() || light.spot->axis.isZero(0)) throw Error(who + ": its spot axis is zero or not finite");
-    if (!(light.spot->half_angle > 0) || light.spot->half_angle > std::numbers::pi) throw Error(who + ": its spot angle is not in (0, pi]");
+    if (!light.spot->axis.allFinite() || light.spot->axis.isZero(0))
+      throw Error(who + ": its spot axis is zero or not finite");
+    if (!(light.spot->half_angle > 0) || light.spot->half_angle > std::numbers::pi)
+      throw Error(who + ": its spot angle is not in (0, pi]");
   }
 }
 
@@ -76,7 +84,14 @@ struct Scene::Source {
 
 namespace {
 
-enum Array : std::size_t { vertex_array, edge_array, plane_array, facet_array, corner_array, face_array };
+enum Array : std::size_t {
+  vertex_array,
+  edge_array,
+  plane_array,
+  facet_array,
+  corner_array,
+  face_array
+};
 
 std::uint32_t new_tag() {
   static std::atomic<std::uint32_t> last{0};
@@ -107,7 +122,8 @@ Scene::Scene() : tag_(new_tag()) {}
 
 // Makes sure that a room of this size can be taken without an exception.
 void Scene::reserve_room(const std::uint32_t (&counts)[6]) {
-  if (edges_.size() + counts[edge_array] > max_edges || corners_.size() + counts[corner_array] >= none)
+  if (edges_.size() + counts[edge_array] > max_edges ||
+      corners_.size() + counts[corner_array] >= none)
     throw Error("the scene is larger than 2^29 edges");
   reserve_more(vertices_, counts[vertex_array]);
   reserve_more(edges_, counts[edge_array]);
@@ -134,15 +150,21 @@ void Scene::grow_to(const Room& room) {
 // The smallest free room with enough of everything, or a new one at the end.
 void Scene::take_room(std::uint32_t index, const std::uint32_t (&counts)[6]) {
   int tries = 16;
-  for (auto it = free_rooms_.lower_bound(counts[corner_array]); it != free_rooms_.end() && tries > 0; ++it, --tries) {
+  for (auto it = free_rooms_.lower_bound(counts[corner_array]);
+       it != free_rooms_.end() && tries > 0; ++it, --tries) {
     Room& room = rooms_[it->second];
-    if (!std::equal(counts, counts + 6, room.count, [](std::uint32_t want, std::uint32_t have) { return want <= have; })) continue;
+    if (!std::equal(counts, counts + 6, room.count,
+                    [](std::uint32_t want, std::uint32_t have) { return want <= have; }))
+      continue;
     room.owner = index;
     slots_[index].room = it->second;
     free_rooms_.erase(it);
     return;
   }
-  Room room{{count_of(vertices_), count_of(edges_), count_of(planes_), count_of(facets_), count_of(corners_), count_of(faces_)}, {}, index};
+  Room room{{count_of(vertices_), count_of(edges_), count_of(planes_), count_of(facets_),
+             count_of(corners_), count_of(faces_)},
+            {},
+            index};
   std::copy(counts, counts + 6, room.count);
   slots_[index].room = count_of(rooms_);
   rooms_.push_back(room);
@@ -176,14 +198,17 @@ void Scene::make_newest(std::uint32_t index) {
 
 std::vector<std::uint32_t> Scene::changed_since(std::uint64_t revision) const {
   std::vector<std::uint32_t> changed;
-  for (std::uint32_t i = newest_; i != none && slots_[i].revision > revision; i = slots_[i].older) changed.push_back(i);
+  for (std::uint32_t i = newest_; i != none && slots_[i].revision > revision; i = slots_[i].older)
+    changed.push_back(i);
   std::reverse(changed.begin(), changed.end());
   return changed;
 }
 
 // Puts an object through the door, into room that fits. An exception leaves the scene as it was.
-void Scene::admit(std::uint32_t index, std::shared_ptr<const Source> source, const ObjectSettings& settings) {
-  Admitted in = shadowcut::admit(source->mesh, settings.pose, {flatness_tolerance, coplanarity_tolerance});
+void Scene::admit(std::uint32_t index, std::shared_ptr<const Source> source,
+                  const ObjectSettings& settings) {
+  Admitted in =
+      shadowcut::admit(source->mesh, settings.pose, {flatness_tolerance, coplanarity_tolerance});
   const std::uint32_t counts[6] = {count_of(in.vertices), count_of(in.edges),   count_of(in.planes),
                                    count_of(in.facets),   count_of(in.corners), count_of(in.faces)};
   try {
@@ -192,16 +217,19 @@ void Scene::admit(std::uint32_t index, std::shared_ptr<const Source> source, con
     throw Error("object '" + settings.name + "': " + e.what());
   }
   reserve_more(issues_, in.issues.size());
-  auto with_map = std::make_shared<Source>(Source{source->mesh, settings.sides, std::move(in.vertex_of), std::move(in.origins)});
+  auto with_map = std::make_shared<Source>(
+      Source{source->mesh, settings.sides, std::move(in.vertex_of), std::move(in.origins)});
   decltype(free_rooms_) given_up;  // memory for that comes first, too
-  if (slots_[index].room != none) given_up.emplace(rooms_[slots_[index].room].count[corner_array], slots_[index].room);
+  if (slots_[index].room != none)
+    given_up.emplace(rooms_[slots_[index].room].count[corner_array], slots_[index].room);
   std::string name = settings.name;
 
   std::uint32_t old = slots_[index].room;
   if (old != none) {
     clear_room(index);
     const Room& room = rooms_[old];
-    if (!std::equal(counts, counts + 6, room.count, [](std::uint32_t want, std::uint32_t have) { return want <= have; })) {
+    if (!std::equal(counts, counts + 6, room.count,
+                    [](std::uint32_t want, std::uint32_t have) { return want <= have; })) {
       rooms_[old].owner = none;
       free_rooms_.merge(given_up);
       old = none;
@@ -209,12 +237,15 @@ void Scene::admit(std::uint32_t index, std::shared_ptr<const Source> source, con
   }
   if (old == none) take_room(index, counts);
   const Room& room = rooms_[slots_[index].room];
-  const std::uint32_t vertex0 = room.first[vertex_array], edge0 = room.first[edge_array], plane0 = room.first[plane_array],
-                      facet0 = room.first[facet_array], corner0 = room.first[corner_array], face0 = room.first[face_array];
+  const std::uint32_t vertex0 = room.first[vertex_array], edge0 = room.first[edge_array],
+                      plane0 = room.first[plane_array], facet0 = room.first[facet_array],
+                      corner0 = room.first[corner_array], face0 = room.first[face_array];
 
   Object& o = objects_[index];
   o.name = std::move(name);
-  o.sides = settings.sides != Sides::automatic ? settings.sides : in.closed ? Sides::closed : Sides::open;
+  o.sides = settings.sides != Sides::automatic ? settings.sides
+            : in.closed                        ? Sides::closed
+                                               : Sides::open;
   o.casts = settings.casts, o.receives = settings.receives, o.moves = settings.moves;
   o.first_face = face0, o.face_count = counts[face_array];
   o.first_vertex = vertex0, o.vertex_count = counts[vertex_array];
@@ -229,9 +260,10 @@ void Scene::admit(std::uint32_t index, std::shared_ptr<const Source> source, con
   std::transform(in.edges.begin(), in.edges.end(), edges_.begin() + edge0, [=](const Edge& e) {
     return Edge{e.a + vertex0, e.b + vertex0};
   });
-  std::transform(in.corners.begin(), in.corners.end(), corners_.begin() + corner0, [=](const Corner& c) {
-    return Corner{c.vertex + vertex0, c.edge + (edge0 << 1)};
-  });
+  std::transform(in.corners.begin(), in.corners.end(), corners_.begin() + corner0,
+                 [=](const Corner& c) {
+                   return Corner{c.vertex + vertex0, c.edge + (edge0 << 1)};
+                 });
   for (std::uint32_t f = 0; f < counts[face_array]; ++f) {
     Face& face = faces_[face0 + f] = in.faces[f];
     face.object = index;
@@ -257,7 +289,8 @@ ObjectId Scene::add(const Mesh& mesh, const ObjectSettings& settings) {
   if (fresh) {
     reserve_more(objects_, 1);
     reserve_more(slots_, 1);
-    reserve_more(free_objects_, objects_.size() + 1 - free_objects_.size());  // removing never fails
+    // removing never fails
+    reserve_more(free_objects_, objects_.size() + 1 - free_objects_.size());
     Object empty{};
     empty.alive = false;
     objects_.push_back(std::move(empty));
@@ -309,10 +342,12 @@ Edit Scene::set_pose(ObjectId id, const Pose& pose) {
   const std::shared_ptr<const Source> source = slots_[id.index].source;
   const std::uint32_t first_plane = rooms_[slots_[id.index].room].first[plane_array];
   const Tolerances tolerances{flatness_tolerance, coplanarity_tolerance};
-  if (Carried carried; carry(source->mesh, source->vertex_of, source->origins, pose, tolerances, *this, o, first_plane, carried)) {
+  if (Carried carried; carry(source->mesh, source->vertex_of, source->origins, pose, tolerances,
+                             *this, o, first_plane, carried)) {
     std::copy(carried.vertices.begin(), carried.vertices.end(), vertices_.begin() + o.first_vertex);
     std::copy(carried.planes.begin(), carried.planes.end(), planes_.begin() + first_plane);
-    for (std::uint32_t f = 0; f < o.face_count; ++f) faces_[o.first_face + f].area = carried.areas[f];
+    for (std::uint32_t f = 0; f < o.face_count; ++f)
+      faces_[o.first_face + f].area = carried.areas[f];
     o.pose = pose;
     touch(id.index);
   } else {
@@ -326,12 +361,14 @@ Edit Scene::set_vertices(ObjectId id, std::span<const Vec3> local) {
   const Object& o = objects_[id.index];
   const Source& old = *slots_[id.index].source;
   if (local.size() != old.mesh.vertices.size()) {
-    throw Error("object '" + o.name + "': its mesh has " + std::to_string(old.mesh.vertices.size()) + " vertices, and " +
+    throw Error("object '" + o.name + "': its mesh has " +
+                std::to_string(old.mesh.vertices.size()) + " vertices, and " +
                 std::to_string(local.size()) + " were given");
   }
   Source changed{old.mesh, old.sides, {}, {}};
   changed.mesh.vertices.assign(local.begin(), local.end());
-  admit(id.index, std::make_shared<const Source>(std::move(changed)), {o.name, o.pose, old.sides, o.casts, o.receives, o.moves});
+  admit(id.index, std::make_shared<const Source>(std::move(changed)),
+        {o.name, o.pose, old.sides, o.casts, o.receives, o.moves});
   return Edit::done;
 }
 
@@ -352,7 +389,8 @@ Edit Scene::set_receives(ObjectId id, bool receives) {
 LightId Scene::add(const Light& light) {
   const bool fresh = free_lights_.empty();
   const std::uint32_t index = fresh ? count_of(lights_) : free_lights_.back();
-  check(light, light.name.empty() ? "light " + std::to_string(index) : "light '" + light.name + "'");
+  check(light,
+        light.name.empty() ? "light " + std::to_string(index) : "light '" + light.name + "'");
   if (fresh) {
     reserve_more(light_slots_, 1);
     reserve_more(free_lights_, lights_.size() + 1 - free_lights_.size());
@@ -379,7 +417,8 @@ Edit Scene::remove(LightId id) {
 
 Edit Scene::set_light(LightId id, const Light& light) {
   if (const Edit e = locate(id); e != Edit::done) return e;
-  check(light, light.name.empty() ? "light " + std::to_string(id.index) : "light '" + light.name + "'");
+  check(light,
+        light.name.empty() ? "light " + std::to_string(id.index) : "light '" + light.name + "'");
   lights_[id.index] = Light(light);  // copied before anything changes
   light_slots_[id.index].revision = ++revision_;
   return Edit::done;
@@ -388,7 +427,8 @@ Edit Scene::set_light(LightId id, const Light& light) {
 void Scene::replace_lights(std::span<const Light> lights) {
   const std::vector<Light> fresh(lights.begin(), lights.end());  // they may be our own
   for (std::size_t i = 0; i < fresh.size(); ++i)
-    check(fresh[i], fresh[i].name.empty() ? "light " + std::to_string(i) : "light '" + fresh[i].name + "'");
+    check(fresh[i],
+          fresh[i].name.empty() ? "light " + std::to_string(i) : "light '" + fresh[i].name + "'");
   for (std::size_t i = 0; i < lights_.size(); ++i) {
     if (light_slots_[i].alive) static_cast<void>(remove(light_id(i)));
   }
@@ -396,14 +436,19 @@ void Scene::replace_lights(std::span<const Light> lights) {
   for (const Light& light : fresh) add(light);
 }
 
-const Object* Scene::find(ObjectId id) const { return locate(id) == Edit::done ? &objects_[id.index] : nullptr; }
-const Light* Scene::find(LightId id) const { return locate(id) == Edit::done ? &lights_[id.index] : nullptr; }
+const Object* Scene::find(ObjectId id) const {
+  return locate(id) == Edit::done ? &objects_[id.index] : nullptr;
+}
+const Light* Scene::find(LightId id) const {
+  return locate(id) == Edit::done ? &lights_[id.index] : nullptr;
+}
 
 std::optional<std::pair<Mesh, ObjectSettings>> Scene::given(ObjectId id) const {
   const Object* o = find(id);
   if (o == nullptr) return std::nullopt;
   const Source& source = *slots_[id.index].source;
-  return std::pair(source.mesh, ObjectSettings{o->name, o->pose, source.sides, o->casts, o->receives, o->moves});
+  return std::pair(source.mesh,
+                   ObjectSettings{o->name, o->pose, source.sides, o->casts, o->receives, o->moves});
 }
 
 ObjectId Scene::object_id(std::size_t index) const {
@@ -424,7 +469,8 @@ void Scene::copy_objects(const Scene& from, std::span<const std::uint32_t> indic
   if (objects_.size() < from.objects_.size()) {
     Object empty{};
     empty.alive = false;
-    for (std::uint32_t i = count_of(objects_); i < from.objects_.size(); ++i) free_objects_.push_back(i);
+    for (std::uint32_t i = count_of(objects_); i < from.objects_.size(); ++i)
+      free_objects_.push_back(i);
     objects_.resize(from.objects_.size(), empty);
     slots_.resize(from.slots_.size());
   }
@@ -461,7 +507,8 @@ void Scene::copy_objects(const Scene& from, std::span<const std::uint32_t> indic
     Room& room = rooms_[slot.room];
     room.owner = i;
     const auto [first, last] = free_rooms_.equal_range(room.count[corner_array]);
-    free_rooms_.erase(std::find_if(first, last, [&slot](const auto& r) { return r.second == slot.room; }));
+    free_rooms_.erase(
+        std::find_if(first, last, [&slot](const auto& r) { return r.second == slot.room; }));
     const auto copy = [&room](auto& to, const auto& source, Array a) {
       std::copy_n(source.begin() + room.first[a], room.count[a], to.begin() + room.first[a]);
     };

@@ -1,5 +1,6 @@
-// Facets as the light sees them, exactly. Flat up to rounding, and with straight corners, a loop may be convex only nearly; then it is cut
-// along the lines of its own edges where it turns the wrong way. One that has no area there, or crosses itself, is seen edge-on.
+// Facets as the light sees them, exactly. Flat up to rounding, and with straight corners, a loop
+// may be convex only nearly; then it is cut along the lines of its own edges where it turns the
+// wrong way. One that has no area there, or crosses itself, is seen edge-on.
 
 #include <algorithm>
 
@@ -41,18 +42,21 @@ Turns turns_of(const Cone& cone, const Lines& l, SignCounts& counts) {
   Turns out;
   for (std::uint32_t k = 0; k < cone.count && cone.count >= 3; ++k) {
     const EdgeRef edge = cone.corners()[k].edge;
-    const int turn = (edge.negative() ? -1 : 1) * l.side(cone.span(), next(cone, next(cone, k)), cone.facet, edge.line(), counts);
+    const int turn = (edge.negative() ? -1 : 1) * l.side(cone.span(), next(cone, next(cone, k)),
+                                                         cone.facet, edge.line(), counts);
     out.any = out.any || turn != 0;
     if (turn < 0) out.wrong = k;
   }
   return out;
 }
 
-// On which sides of an edge's line the corners lie, for a cut that goes on from the edge's end, where the loop turns away: corners before
-// that, on the line as well, stay with what is before.
-std::vector<int> sides_of(const Cone& cone, std::uint32_t edge, const Lines& l, SignCounts& counts) {
+// On which sides of an edge's line the corners lie, for a cut that goes on from the edge's end,
+// where the loop turns away: corners before that, on the line as well, stay with what is before.
+std::vector<int> sides_of(const Cone& cone, std::uint32_t edge, const Lines& l,
+                          SignCounts& counts) {
   std::vector<int> sides(cone.count);
-  for (std::uint32_t i = 0; i < cone.count; ++i) sides[i] = l.side(cone.span(), i, cone.facet, cone.corners()[edge].edge.line(), counts);
+  for (std::uint32_t i = 0; i < cone.count; ++i)
+    sides[i] = l.side(cone.span(), i, cone.facet, cone.corners()[edge].edge.line(), counts);
   const std::uint32_t end = next(cone, edge);
   std::uint32_t before = edge;
   while (sides[before] == 0 && before != end) before = previous(cone, before);
@@ -66,7 +70,8 @@ std::vector<int> sides_of(const Cone& cone, std::uint32_t edge, const Lines& l, 
 std::uint32_t crossings(const std::vector<int>& sides) {
   std::uint32_t changes = 0;
   int last = 0;
-  for (std::size_t i = 0; i < 2 * sides.size(); ++i) {  // the first round only finds the side to begin with
+  // the first round only finds the side to begin with
+  for (std::size_t i = 0; i < 2 * sides.size(); ++i) {
     const int s = sides[i % sides.size()];
     if (s == 0) continue;
     changes += i >= sides.size() && s != last;
@@ -104,7 +109,8 @@ double LightTree::turn_behind(const Cone& cone, std::uint32_t k) const {
 
 void LightTree::face_exactly() {
   shapes_.assign(scene_.facets().size(), convex);
-  parallel_for(shapes_.size(), 1, [this](std::size_t i) { face_exactly(static_cast<std::uint32_t>(i)); });
+  parallel_for(shapes_.size(), 1,
+               [this](std::size_t i) { face_exactly(static_cast<std::uint32_t>(i)); });
 }
 
 void LightTree::face_exactly(std::uint32_t facet) {
@@ -115,14 +121,16 @@ void LightTree::face_exactly(std::uint32_t facet) {
   bool sure = true;
   for (std::uint32_t k = 0; k < cone->count && sure; ++k) {
     const float line_error = tables_.lines[cone->corners()[k].edge.line()].error;
-    sure = turn_behind(*cone, k) > static_cast<double>(line_error) + static_cast<double>(cone->error) + sign_slack;
+    sure = turn_behind(*cone, k) >
+           static_cast<double>(line_error) + static_cast<double>(cone->error) + sign_slack;
   }
   if (sure) return w.pool.give_back(cone);
   std::vector<Cone*> parts;
   const std::uint32_t corners = cone->count;
   bool simple = cut_convex(cone, w, parts);
   if (!simple || parts.empty()) {
-    // The light may be so near to the plane that the loop runs the other way round than the plane says.
+    // The light may be so near to the plane that the loop runs the other way round than the plane
+    // says.
     for (Cone* part : parts) w.pool.give_back(part);
     parts.clear();
     shapes_[facet] = reversed;
@@ -155,7 +163,8 @@ bool LightTree::cut_convex(Cone* cone, Workspace& w, std::vector<Cone*>& parts) 
     }
     if (turns.wrong != none) {
       simple = simple && steps-- > 0;
-      const std::vector<int> sides = simple ? sides_of(*part, turns.wrong, l, counts) : std::vector<int>();
+      const std::vector<int> sides =
+          simple ? sides_of(*part, turns.wrong, l, counts) : std::vector<int>();
       simple = simple && crossings(sides) == 2;
       if (simple) {
         const std::uint32_t id = part->corners()[turns.wrong].edge.line();

@@ -1,5 +1,5 @@
-// The smallest feature kept (Options::min_feature): of the two parts of a cut the smaller one goes if it is less than that. The larger one
-// stays whatever its size, so nothing vanishes whole.
+// The smallest feature kept (Options::min_feature): of the two parts of a cut the smaller one goes
+// if it is less than that. The larger one stays whatever its size, so nothing vanishes whole.
 #pragma once
 
 #include <cmath>
@@ -20,7 +20,9 @@ inline double area_on_plane(const LightTables& tables, const Cone& cone) {
 
 // As a point light sees it: triangles by Van Oosterom & Strackee 1983.
 inline double solid_angle(const LightTables& tables, const Cone& cone) {
-  const auto to = [&](std::uint32_t i) { return (corner_on_plane(tables, cone, i) - tables.light_at).stableNormalized().eval(); };
+  const auto to = [&](std::uint32_t i) {
+    return (corner_on_plane(tables, cone, i) - tables.light_at).stableNormalized().eval();
+  };
   const Vec3 a = to(0);
   Vec3 b = to(1);
   double angle = 0;
@@ -39,16 +41,19 @@ inline Cone* too_small(const LightTables& tables, Cone* a, Cone* b) {
   const double area_a = area_on_plane(tables, *a), area_b = area_on_plane(tables, *b);
   Cone* smaller = area_a < area_b ? a : b;
   if ((area_a < area_b ? area_a : area_b) < least.area) return smaller;
-  return least.solid_angle > 0 && solid_angle(tables, *smaller) < least.solid_angle ? smaller : nullptr;
+  return least.solid_angle > 0 && solid_angle(tables, *smaller) < least.solid_angle ? smaller
+                                                                                    : nullptr;
 }
 
-// A cone goes past an SP-node: returns the place that it goes on from. What it leaves on the other side is cut_off, or null; with `drop`,
-// what is too small goes nowhere.
-inline std::uint32_t step_down(const CellTree& tree, std::uint32_t node, bool drop, Cone*& cone, Cone*& cut_off, Workspace& w) {
+// A cone goes past an SP-node: returns the place that it goes on from. What it leaves on the other
+// side is cut_off, or null; with `drop`, what is too small goes nowhere.
+inline std::uint32_t step_down(const CellTree& tree, std::uint32_t node, bool drop, Cone*& cone,
+                               Cone*& cut_off, Workspace& w) {
   const auto any = [](EdgeRef) { return true; };
   SignCounts counts;
   const Node& n = tree.nodes()[node];
-  const std::uint32_t side = sift(cone, n.n, n.error, n.id, tree.lines(), any, w.pool, w.spill, cut_off, counts);
+  const std::uint32_t side =
+      sift(cone, n.n, n.error, n.id, tree.lines(), any, w.pool, w.spill, cut_off, counts);
   Cone* lost = drop && cut_off ? too_small(tree.tables(), cone, cut_off) : nullptr;
   if (!lost) return node * 2 + side;
   const bool is_first = lost == cone;
@@ -58,10 +63,11 @@ inline std::uint32_t step_down(const CellTree& tree, std::uint32_t node, bool dr
   return node * 2 + (is_first ? 1 : 0);
 }
 
-// Cuts a cone by the SP-nodes below a place, down to where stop(branch) says. Takes the cone; take(cone) gets each part, with its place in
-// Cone::at.
+// Cuts a cone by the SP-nodes below a place, down to where stop(branch) says. Takes the cone;
+// take(cone) gets each part, with its place in Cone::at.
 template <class Stop, class Take>
-void descend(const CellTree& tree, Cone* whole, std::uint32_t from, bool drop, Workspace& w, const Stop& stop, const Take& take) {
+void descend(const CellTree& tree, Cone* whole, std::uint32_t from, bool drop, Workspace& w,
+             const Stop& stop, const Take& take) {
   const std::size_t bottom = w.pending.size();
   whole->at = from;
   w.pending.push_back(whole);

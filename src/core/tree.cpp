@@ -12,16 +12,19 @@ namespace shadowcut::SHADOWCUT_NUMBERS {
 void CellTree::clear() {
   live_ = nullptr;
   root_ = Child::out();
-  nodes_.clear(), links_.clear(), pieces_.clear(), entries_.clear(), corners_.clear(), local_lines_.clear();
+  nodes_.clear(), links_.clear(), pieces_.clear(), entries_.clear(), corners_.clear(),
+      local_lines_.clear();
   free_corners_.clear();
-  free_nodes_.clear(), free_pieces_.clear(), free_entries_.clear(), free_lines_.clear(), idle_lines_.clear();
+  free_nodes_.clear(), free_pieces_.clear(), free_entries_.clear(), free_lines_.clear(),
+      idle_lines_.clear();
   pp_nodes_ = marked_nodes_ = 0;
   counts_ = {};
 }
 
 void CellTree::start_again(std::vector<std::uint32_t>& given_up) {
   for (std::size_t node = 0; node < nodes_.size(); ++node) {
-    if (links_[node].owner == marked && links_[node].first == line_reported) given_up.push_back(nodes_[node].id);
+    if (links_[node].owner == marked && links_[node].first == line_reported)
+      given_up.push_back(nodes_[node].id);
   }
   root_ = Child::out();
   nodes_.clear(), links_.clear(), pieces_.clear(), corners_.clear(), local_lines_.clear();
@@ -60,22 +63,26 @@ void CellTree::insert_at(Cone* cone, std::uint32_t place, Workspace& w) {
   }
 }
 
-// One cone, down to where it comes to rest; the parts cut off on the way are left in w.pending with the place they go on from.
+// One cone, down to where it comes to rest; the parts cut off on the way are left in w.pending with
+// the place they go on from.
 void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
   const Facet& facet = tables_->facets[cone->facet];
   for (;;) {
     const Child here = child_at(place);
     if (here.is_sp()) {
       const Node& node = nodes_[here.node()];
-      // A node of another object may go while this face stays: it serves as an end only where it cuts the face itself.
+      // A node of another object may go while this face stays: it serves as an end only where it
+      // cuts the face itself.
       const auto bounds = [&](EdgeRef) {
         if (!tables_->edits) return true;
         const std::uint32_t owner = links_[here.node()].owner;
-        return owner != marked && tables_->object_of(pieces_[owner].facet) == tables_->faces[facet.face].object;
+        return owner != marked &&
+               tables_->object_of(pieces_[owner].facet) == tables_->faces[facet.face].object;
       };
       counts_.predicates += cone->count;
       Cone* cut_off;
-      place = here.node() * 2 + sift(cone, node.n, node.error, node.id, lines(), bounds, w.pool, w.spill, cut_off, counts_.signs);
+      place = here.node() * 2 + sift(cone, node.n, node.error, node.id, lines(), bounds, w.pool,
+                                     w.spill, cut_off, counts_.signs);
       if (cut_off && drop_smallest(cone, cut_off, node.id, w) && !cone) {
         cone = std::exchange(cut_off, nullptr);
         place = here.node() * 2 + 1;
@@ -115,13 +122,16 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
     const PlaneDifference nearer(tables_->planes[facet.plane], node.n, node.error);
     Signs signs(*cone, nearer.d, nearer.bound(*cone), w.spill);
     if (tables_->exact) {
-      signs.settle([&](std::uint32_t i) { return lines().nearer(cone->span(), i, cone->facet, other, counts_.signs); });
+      signs.settle([&](std::uint32_t i) {
+        return lines().nearer(cone->span(), i, cone->facet, other, counts_.signs);
+      });
     }
     counts_.predicates += cone->count;
     counts_.signs.on += signs.on();
     if (signs.positive() && signs.negative()) {
       const Plane &p = tables_->scene_planes[facet.plane], &q = tables_->scene_planes[other];
-      const std::uint32_t cut = add_local_line(nearer.line(), {true, {p.exact_normal, p.point, q.exact_normal, q.point}});
+      const std::uint32_t cut =
+          add_local_line(nearer.line(), {true, {p.exact_normal, p.point, q.exact_normal, q.point}});
       Cone *front, *behind;
       split(*cone, signs, line(cut).n, line(cut).error, cut, false, lines(), w.pool, front, behind);
       w.pool.give_back(cone);
@@ -139,14 +149,16 @@ void CellTree::filter(Cone* cone, std::uint32_t place, Workspace& w) {
       place = pp * 2;
       continue;
     }
-    add_to_list(store(*cone, signs.negative() ? Piece::Kind::behind : Piece::Kind::coplanar, pp), pp);
+    add_to_list(store(*cone, signs.negative() ? Piece::Kind::behind : Piece::Kind::coplanar, pp),
+                pp);
     break;
   }
   w.pool.give_back(cone);
 }
 
-// Of the two parts of a cut, the smaller if it is smaller than what is to be kept; it becomes null. The other one's edge there then relies
-// on nobody's other half: it gets an SP-node of its own, and as the node that cut it may go any time, a name of its own for the line.
+// Of the two parts of a cut, the smaller if it is smaller than what is to be kept; it becomes null.
+// The other one's edge there then relies on nobody's other half: it gets an SP-node of its own, and
+// as the node that cut it may go any time, a name of its own for the line.
 bool CellTree::drop_smallest(Cone*& a, Cone*& b, std::uint32_t line_id, Workspace& w) {
   Cone* lost = too_small(*tables_, a, b);
   if (!lost) return false;
@@ -155,7 +167,8 @@ bool CellTree::drop_smallest(Cone*& a, Cone*& b, std::uint32_t line_id, Workspac
   if (!tables_->edits) return true;
   Cone& kept = a ? *a : *b;
   const std::uint32_t object = tables_->object_of(kept.facet);
-  const bool own = line_id - tables_->objects[object].first_edge - tables_->line_shift[object] < tables_->objects[object].edge_count;
+  const bool own = line_id - tables_->objects[object].first_edge - tables_->line_shift[object] <
+                   tables_->objects[object].edge_count;
   std::uint32_t name = own || line_id >= first_local_line ? line_id : none;
   for (ConeCorner& c : std::span(kept.corners(), kept.count)) {
     if (c.edge.line() != line_id) continue;
@@ -165,7 +178,8 @@ bool CellTree::drop_smallest(Cone*& a, Cone*& b, std::uint32_t line_id, Workspac
   return true;
 }
 
-// Replaces a leaf by the shadow volume of a piece: an SP-node for each edge that the cell does not already end at, then its PP-node.
+// Replaces a leaf by the shadow volume of a piece: an SP-node for each edge that the cell does not
+// already end at, then its PP-node.
 void CellTree::attach(Cone& cone, std::uint32_t place) {
   const std::uint32_t leaf = place;
   const std::uint32_t piece = store(cone, Piece::Kind::owner, place);
@@ -192,7 +206,8 @@ void CellTree::put(std::uint32_t place, Child child) {
   if (!child.is_out()) {
     links_[child.node()].parent = place;
   } else if (!child.is_empty()) {
-    for (std::uint32_t p = child.first_piece(); p != none; p = pieces_[p].next) pieces_[p].place = place;
+    for (std::uint32_t p = child.first_piece(); p != none; p = pieces_[p].next)
+      pieces_[p].place = place;
   }
 }
 
@@ -205,7 +220,8 @@ std::uint32_t CellTree::store(const Cone& cone, Piece::Kind kind, std::uint32_t 
     id = free_pieces_.take();
   }
   Entry& entry = entries_[cone.entry];
-  pieces_[id] = {cone.facet, 0, 0, cone.error, place, none, none, cone.entry, entry.first, none, kind};
+  pieces_[id] = {cone.facet, 0,          0,           cone.error, place, none,
+                 none,       cone.entry, entry.first, none,       kind};
   if (entry.first != none) pieces_[entry.first].before = id;
   entry.first = id;
   ++entry.pieces;
@@ -270,7 +286,8 @@ void CellTree::release_piece(std::uint32_t piece) {
   free_pieces_.give_back(piece);
 }
 
-std::uint32_t CellTree::add_node(const Real n[3], float error, std::uint32_t id, std::uint32_t parent, std::uint32_t owner) {
+std::uint32_t CellTree::add_node(const Real n[3], float error, std::uint32_t id,
+                                 std::uint32_t parent, std::uint32_t owner) {
   const Node node{{n[0], n[1], n[2]}, error, {Child::out(), Child::out()}, id};
   const NodeLinks links{parent, owner, none};
   if (free_nodes_.empty()) {
@@ -296,7 +313,8 @@ std::uint32_t CellTree::add_local_line(const Line& line, const LightLine& exact)
   return first_local_line + index;
 }
 
-// For what goes on after the line's object, or its node, has gone. It is idle unless something will be stored with it.
+// For what goes on after the line's object, or its node, has gone. It is idle unless something will
+// be stored with it.
 std::uint32_t CellTree::add_local_copy(std::uint32_t id) {
   Line copy = line(id);
   copy.a = copy.b = none;
@@ -324,7 +342,8 @@ Cone* CellTree::cone_of(const Piece& piece, ConePool& pool) const {
   return cone;
 }
 
-// Generous figures: pages that are never written cost nothing, moving a vector does. Scenes that need more get it.
+// Generous figures: pages that are never written cost nothing, moving a vector does. Scenes that
+// need more get it.
 void CellTree::reserve(std::size_t facets) {
   nodes_.reserve(facets * 16);
   links_.reserve(facets * 16);
@@ -334,8 +353,9 @@ void CellTree::reserve(std::size_t facets) {
 }
 
 std::uint64_t CellTree::bytes() const {
-  return nodes_.size() * sizeof(Node) + links_.size() * sizeof(NodeLinks) + pieces_.size() * sizeof(Piece) +
-         entries_.size() * sizeof(Entry) + corners_.size() * sizeof(ConeCorner) + local_lines_.size() * sizeof(LocalLine);
+  return nodes_.size() * sizeof(Node) + links_.size() * sizeof(NodeLinks) +
+         pieces_.size() * sizeof(Piece) + entries_.size() * sizeof(Entry) +
+         corners_.size() * sizeof(ConeCorner) + local_lines_.size() * sizeof(LocalLine);
 }
 
 std::uint64_t CellTree::depth() const {

@@ -1,17 +1,21 @@
 // Taking faces out of a cell's tree (CS95, section 3).
 //
-// (a) What lies behind a PP-node, on it, or at a leaf is only taken out of a list. (b), (c) A PP-node gives way to what is in front of it,
-// and the pieces behind it are inserted into that; its SP-nodes are marked. A marked node with an empty side gives way to its other side.
-// One with something on both sides is removed by inserting the smaller side, if it is small, into the larger; otherwise it stays, as a
-// plain dividing plane, until a later edit leaves one side empty or small.
+// (a) What lies behind a PP-node, on it, or at a leaf is only taken out of a list. (b), (c) A
+// PP-node gives way to what is in front of it, and the pieces behind it are inserted into that; its
+// SP-nodes are marked. A marked node with an empty side gives way to its other side. One with
+// something on both sides is removed by inserting the smaller side, if it is small, into the
+// larger; otherwise it stays, as a plain dividing plane, until a later edit leaves one side empty
+// or small.
 //
-// Why a marked node with an empty side may go: an edge relies on a node only where the node has cut the face, and then the other half of
-// the face is on the node's other side, which is not empty; or where node and face are of one object, and then the face is gone too.
-// (Displaced pieces go back before any node goes, or their side would look empty.)
+// Why a marked node with an empty side may go: an edge relies on a node only where the node has cut
+// the face, and then the other half of the face is on the node's other side, which is not empty; or
+// where node and face are of one object, and then the face is gone too. (Displaced pieces go back
+// before any node goes, or their side would look empty.)
 //
-// What joining has to look after. Faces cut by the node end there on both sides. The halves on the small side are at hand; through
-// their entries' lists the halves on the large side are found. Where two halves make a whole again under the large side's PP-node, they
-// do; otherwise that PP-node gets a copy of the node just above itself.
+// What joining has to look after. Faces cut by the node end there on both sides. The halves on the
+// small side are at hand; through their entries' lists the halves on the large side are found.
+// Where two halves make a whole again under the large side's PP-node, they do; otherwise that
+// PP-node gets a copy of the node just above itself.
 
 #include <algorithm>
 
@@ -23,14 +27,16 @@ namespace shadowcut::SHADOWCUT_NUMBERS {
 namespace {
 
 bool has_edge_on(std::span<const ConeCorner> corners, std::uint32_t line) {
-  return std::any_of(corners.begin(), corners.end(), [line](const ConeCorner& c) { return c.edge.line() == line; });
+  return std::any_of(corners.begin(), corners.end(),
+                     [line](const ConeCorner& c) { return c.edge.line() == line; });
 }
 
 }  // namespace
 
-void CellTree::remove(std::span<const std::uint32_t> entries, Workspace& w, std::vector<std::uint32_t>& kept,
-                      std::vector<std::uint32_t>& given_up) {
-  std::vector<std::uint32_t> pps, shrunk;  // PP-nodes to go; places below which there is less than there was
+void CellTree::remove(std::span<const std::uint32_t> entries, Workspace& w,
+                      std::vector<std::uint32_t>& kept, std::vector<std::uint32_t>& given_up) {
+  // PP-nodes to go; places below which there is less than there was
+  std::vector<std::uint32_t> pps, shrunk;
   for (const std::uint32_t e : entries) {
     for (std::uint32_t p = entries_[e].first; p != none;) {
       const std::uint32_t next = pieces_[p].after;
@@ -84,13 +90,16 @@ void CellTree::remove(std::span<const std::uint32_t> entries, Workspace& w, std:
 
 // Where a place has come to that may have been below a node no longer there.
 std::uint32_t CellTree::resolve(std::uint32_t place) const {
-  while (place != root_place && links_[place >> 1].owner == released) place = links_[place >> 1].parent;
+  while (place != root_place && links_[place >> 1].owner == released)
+    place = links_[place >> 1].parent;
   return place;
 }
 
-// The SP-nodes that a piece attached stand in one row above its PP-node; marked ones may stand between them.
+// The SP-nodes that a piece attached stand in one row above its PP-node; marked ones may stand
+// between them.
 void CellTree::mark_planes_of(std::uint32_t piece) {
-  for (std::uint32_t place = links_[pieces_[piece].place].parent; place != root_place; place = links_[place >> 1].parent) {
+  for (std::uint32_t place = links_[pieces_[piece].place].parent; place != root_place;
+       place = links_[place >> 1].parent) {
     NodeLinks& links = links_[place >> 1];
     if (links.owner == marked) continue;
     if (links.owner != piece) return;
@@ -113,13 +122,15 @@ void CellTree::take_pp_out(std::uint32_t pp, std::vector<Displaced>& displaced, 
   if (live_) live_->changed(place);
 }
 
-void CellTree::displace(std::uint32_t piece, std::uint32_t place, std::vector<Displaced>& displaced, Workspace& w) {
+void CellTree::displace(std::uint32_t piece, std::uint32_t place, std::vector<Displaced>& displaced,
+                        Workspace& w) {
   displaced.push_back({cone_of(pieces_[piece], w.pool), place});
   release_piece(piece);
 }
 
 void CellTree::insert_displaced(std::vector<Displaced>& displaced, Workspace& w) {
-  std::stable_partition(displaced.begin(), displaced.end(), [this](const Displaced& d) { return tables_->casts(d.cone->facet); });
+  std::stable_partition(displaced.begin(), displaced.end(),
+                        [this](const Displaced& d) { return tables_->casts(d.cone->facet); });
   for (const Displaced& d : displaced) insert_at(d.cone, resolve(d.place), w);
   displaced.clear();
 }
@@ -160,7 +171,8 @@ bool CellTree::collapse(std::uint32_t node) {
   return true;
 }
 
-// The side of an SP-node with fewer nodes below it, if those are no more than `limit`; 2 if both sides have more.
+// The side of an SP-node with fewer nodes below it, if those are no more than `limit`; 2 if both
+// sides have more.
 std::uint32_t CellTree::smaller_side(std::uint32_t node, std::uint32_t limit) const {
   std::vector<Child> pending[2];
   std::uint32_t nodes = 0;
@@ -216,7 +228,8 @@ bool CellTree::join(std::uint32_t node, Workspace& w) {
   std::vector<Displaced> halves;
   take_apart(nodes_[node].child[side], halves, w);
 
-  // The node's line, and others that only nodes of the small side stood for, live on under local names.
+  // The node's line, and others that only nodes of the small side stood for, live on under local
+  // names.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> names;
   const auto local_name = [&](std::uint32_t id) {
     if (id >= first_local_line) return id;
@@ -231,26 +244,32 @@ bool CellTree::join(std::uint32_t node, Workspace& w) {
     const bool is_pp = child_at(links_[p >> 1].parent).is_pp();
     if (!is_pp) above.push_back(nodes_[p >> 1].id);
   }
-  const auto is_above = [&](std::uint32_t id) { return std::find(above.begin(), above.end(), id) != above.end(); };
+  const auto is_above = [&](std::uint32_t id) {
+    return std::find(above.begin(), above.end(), id) != above.end();
+  };
 
-  // Faces cut by the node, on the large side. Where the smallest features are dropped, what is left on the small side need not reach it.
+  // Faces cut by the node, on the large side. Where the smallest features are dropped, what is left
+  // on the small side need not reach it.
   const bool may_lack_edge = !tables_->least.keeps_all();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> others;  // how deep below the node; piece
   std::vector<std::uint32_t> entries_seen;
   for (const Displaced& h : halves) {
     if (!may_lack_edge && !has_edge_on(h.cone->span(), line_id)) continue;
-    if (std::find(entries_seen.begin(), entries_seen.end(), h.cone->entry) != entries_seen.end()) continue;
+    if (std::find(entries_seen.begin(), entries_seen.end(), h.cone->entry) != entries_seen.end())
+      continue;
     entries_seen.push_back(h.cone->entry);
     for (std::uint32_t p = entries_[h.cone->entry].first; p != none; p = pieces_[p].after) {
       if (!has_edge_on(corners(pieces_[p]), line_id)) continue;
-      if (const std::uint32_t depth = depth_below(p, node); depth != none) others.emplace_back(depth, p);
+      if (const std::uint32_t depth = depth_below(p, node); depth != none)
+        others.emplace_back(depth, p);
     }
   }
   // From above: a piece may grow only as far as what it stands in front of.
   std::sort(others.begin(), others.end());
   for (const Displaced& h : halves) {
     const Object& object = tables_->objects[tables_->object_of(h.cone->facet)];
-    const std::uint32_t first_own = object.first_edge + tables_->line_shift[tables_->object_of(h.cone->facet)];
+    const std::uint32_t first_own =
+        object.first_edge + tables_->line_shift[tables_->object_of(h.cone->facet)];
     for (std::uint32_t i = 0; i < h.cone->count; ++i) {
       EdgeRef& e = h.cone->corners()[i].edge;
       if (!e.bounded() || is_above(e.line()) || tables_->is_prefix_line(e.line())) continue;
@@ -260,9 +279,12 @@ bool CellTree::join(std::uint32_t node, Workspace& w) {
   }
   for (const auto& [depth, p] : others) {
     rename_edges(p, line_id, local_name(line_id), pieces_[p].kind == Piece::Kind::owner);
-    if (pieces_[p].kind != Piece::Kind::owner || reunite(p, local_name(line_id), node, halves, w)) continue;
+    if (pieces_[p].kind != Piece::Kind::owner || reunite(p, local_name(line_id), node, halves, w))
+      continue;
     const auto on = corners(pieces_[p]);
-    const auto cut = std::find_if(on.begin(), on.end(), [&](const ConeCorner& c) { return c.edge.line() == local_name(line_id); });
+    const auto cut = std::find_if(on.begin(), on.end(), [&](const ConeCorner& c) {
+      return c.edge.line() == local_name(line_id);
+    });
     add_sp_above(pieces_[p].place, cut->edge, p);
   }
   put(place, nodes_[node].child[1 - side]);
@@ -280,15 +302,16 @@ bool CellTree::join(std::uint32_t node, Workspace& w) {
 std::uint32_t CellTree::depth_below(std::uint32_t piece, std::uint32_t node) const {
   const Piece& p = pieces_[piece];
   std::uint32_t depth = 0;
-  for (std::uint32_t place = p.kind == Piece::Kind::at_leaf ? p.place : links_[p.place].parent; place != root_place;
-       place = links_[place >> 1].parent) {
+  for (std::uint32_t place = p.kind == Piece::Kind::at_leaf ? p.place : links_[p.place].parent;
+       place != root_place; place = links_[place >> 1].parent) {
     if (place >> 1 == node) return depth;
     ++depth;
   }
   return none;
 }
 
-void CellTree::rename_edges(std::uint32_t piece, std::uint32_t line, std::uint32_t name, bool bounded) {
+void CellTree::rename_edges(std::uint32_t piece, std::uint32_t line, std::uint32_t name,
+                            bool bounded) {
   const Piece& p = pieces_[piece];
   for (std::uint32_t i = p.first_corner; i < p.first_corner + p.corner_count; ++i) {
     EdgeRef& e = corners_[i].edge;
@@ -311,27 +334,34 @@ void CellTree::add_sp_above(std::uint32_t pp, EdgeRef edge, std::uint32_t owner)
   if (live_) live_->changed(place);
 }
 
-// Makes an owner's piece, which ends at the node on this line, and its other half one again, where they lie. Takes the half out of
-// `halves`.
-bool CellTree::reunite(std::uint32_t piece, std::uint32_t line_id, std::uint32_t node, std::vector<Displaced>& halves, Workspace& w) {
+// Makes an owner's piece, which ends at the node on this line, and its other half one again, where
+// they lie. Takes the half out of `halves`.
+bool CellTree::reunite(std::uint32_t piece, std::uint32_t line_id, std::uint32_t node,
+                       std::vector<Displaced>& halves, Workspace& w) {
   const std::uint32_t pp = pieces_[piece].place;
   std::vector<ConeCorner> whole;
   for (auto h = halves.begin(); h != halves.end(); ++h) {
     Cone& half = *h->cone;
-    if (half.entry != pieces_[piece].entry || !unite(corners(pieces_[piece]), half.span(), half.facet, line_id, lines(), whole)) continue;
+    if (half.entry != pieces_[piece].entry ||
+        !unite(corners(pieces_[piece]), half.span(), half.facet, line_id, lines(), whole))
+      continue;
     if (!fits_below(half, links_[pp].parent, node, w)) continue;
     // Edges of the half that neither it nor the piece ends at already.
     std::vector<EdgeRef> open;
     bool sure = true;
     for (const ConeCorner& c : half.span()) {
-      if (c.edge.bounded() || !std::any_of(whole.begin(), whole.end(), [&](const ConeCorner& k) { return same_side(k.edge, c.edge); }))
+      if (c.edge.bounded() || !std::any_of(whole.begin(), whole.end(), [&](const ConeCorner& k) {
+            return same_side(k.edge, c.edge);
+          }))
         continue;
       const auto mine = corners(pieces_[piece]);
-      const auto known = std::find_if(mine.begin(), mine.end(), [&](const ConeCorner& k) { return same_side(k.edge, c.edge); });
+      const auto known = std::find_if(
+          mine.begin(), mine.end(), [&](const ConeCorner& k) { return same_side(k.edge, c.edge); });
       if (known == mine.end()) {
         open.push_back(c.edge);
       } else if (known->edge.bounded()) {
-        sure = false;  // the node that bounds the piece there may lie on its edge and not on the half's
+        // the node that bounds the piece there may lie on its edge and not on the half's
+        sure = false;
       }
     }
     if (!sure) continue;
@@ -359,13 +389,20 @@ bool CellTree::fits_below(Cone& cone, std::uint32_t place, std::uint32_t node, W
       Signs signs(cone, nearer.d, nearer.bound(cone), w.spill);
       const std::uint32_t other = tables_->facets[pieces_[here.id].facet].plane;
       if (tables_->exact && other != own) {
-        signs.settle([&](std::uint32_t i) { return lines().nearer(cone.span(), i, cone.facet, other, counts); });
+        signs.settle([&](std::uint32_t i) {
+          return lines().nearer(cone.span(), i, cone.facet, other, counts);
+        });
       }
       if (signs.negative()) return false;
       continue;
     }
-    Signs signs(cone, here.n, static_cast<double>(here.error) + static_cast<double>(cone.error) + sign_slack, w.spill);
-    if (tables_->exact) signs.settle([&](std::uint32_t i) { return lines().side(cone.span(), i, cone.facet, here.id, counts); });
+    Signs signs(cone, here.n,
+                static_cast<double>(here.error) + static_cast<double>(cone.error) + sign_slack,
+                w.spill);
+    if (tables_->exact)
+      signs.settle([&](std::uint32_t i) {
+        return lines().side(cone.span(), i, cone.facet, here.id, counts);
+      });
     if (place & 1 ? signs.positive() : signs.negative()) return false;
   }
   return true;
@@ -376,8 +413,10 @@ void CellTree::reunite_in_list(std::uint32_t piece, std::uint32_t pp) {
   std::vector<ConeCorner> whole;
   for (std::uint32_t p = links_[pp].first; p != none;) {
     const std::uint32_t next = pieces_[p].next;
-    if (p != piece && pieces_[p].entry == pieces_[piece].entry && pieces_[p].kind == pieces_[piece].kind &&
-        unite(corners(pieces_[piece]), corners(pieces_[p]), pieces_[p].facet, none, lines(), whole)) {
+    if (p != piece && pieces_[p].entry == pieces_[piece].entry &&
+        pieces_[p].kind == pieces_[piece].kind &&
+        unite(corners(pieces_[piece]), corners(pieces_[p]), pieces_[p].facet, none, lines(),
+              whole)) {
       const float error = pieces_[p].error;
       unlink(p);
       release_piece(p);

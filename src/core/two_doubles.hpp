@@ -1,8 +1,9 @@
-// What a sum or a product of doubles loses, as a second double: exact, as long as nothing leaves the range of double.
+// What a sum or a product of doubles loses, as a second double: exact, as long as nothing leaves
+// the range of double.
 //
-// Sources: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997 (two_sum,
-// two_product); T. J. Dekker, "A Floating-Point Technique for Extending the Available Precision", 1971. Round-to-even and unfused
-// operations.
+// Sources: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+// Predicates", 1997 (two_sum, two_product); T. J. Dekker, "A Floating-Point Technique for Extending
+// the Available Precision", 1971. Round-to-even and unfused operations.
 #pragma once
 
 namespace shadowcut {

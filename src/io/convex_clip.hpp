@@ -7,7 +7,8 @@
 
 namespace shadowcut::io {
 
-// Keeps the part of `polygon` (or, with two corners, of a segment) where `height`, an affine function of the point, is not negative.
+// Keeps the part of `polygon` (or, with two corners, of a segment) where `height`, an affine
+// function of the point, is not negative.
 template <typename Height>
 void clip(std::vector<Vec3>& polygon, std::vector<Vec3>& scratch, const Height& height) {
   scratch.clear();

@@ -29,14 +29,16 @@ std::string read_bytes(const std::string& path) {
   const auto size = fs::is_regular_file(path, error) ? fs::file_size(path, error) : 0;
   if (!error) bytes.reserve(size);
   char block[1 << 16];
-  while (in.read(block, sizeof block) || in.gcount() > 0) bytes.append(block, static_cast<std::size_t>(in.gcount()));
+  while (in.read(block, sizeof block) || in.gcount() > 0)
+    bytes.append(block, static_cast<std::size_t>(in.gcount()));
   if (in.bad()) throw Error(path + ": cannot be read");
   return bytes;
 }
 
 std::string extension_of(const std::string& path) {
   std::string extension = fs::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return extension;
 }
 
@@ -46,7 +48,8 @@ PendingFile::PendingFile(const std::string& path) : name_(path) {
   if (error) target_ = path;
   if (fs::is_directory(target_, error)) throw Error(path + ": is a directory");
   beside_ = target_;
-  if (!fs::exists(target_, error) || fs::is_regular_file(target_, error)) beside_ += ".part" + std::to_string(::getpid());
+  if (!fs::exists(target_, error) || fs::is_regular_file(target_, error))
+    beside_ += ".part" + std::to_string(::getpid());
   errno = 0;
   stream_.open(beside_, std::ios::binary | std::ios::trunc);
   if (!stream_) throw Error(path + ": cannot be written: " + std::strerror(errno));
@@ -76,7 +79,8 @@ void PendingFile::commit() {
 }
 
 void PendingFile::fail() const {
-  throw Error(name_ + ": cannot be written" + (errno != 0 ? std::string(": ") + std::strerror(errno) : std::string()));
+  throw Error(name_ + ": cannot be written" +
+              (errno != 0 ? std::string(": ") + std::strerror(errno) : std::string()));
 }
 
 void write_text(const std::string& path, std::string_view text) {

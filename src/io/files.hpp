@@ -1,4 +1,5 @@
-// Whole files in and out. Output goes to a file beside its target and takes the target's name only when complete.
+// Whole files in and out. Output goes to a file beside its target and takes the target's name only
+// when complete.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +18,8 @@ std::string read_bytes(const std::string& path);
 // The extension in lower case with its dot, or an empty string.
 std::string extension_of(const std::string& path);
 
-// A file being written. Until commit() the target is untouched; without commit() nothing stays behind.
+// A file being written. Until commit() the target is untouched; without commit() nothing stays
+// behind.
 class PendingFile {
  public:
   explicit PendingFile(const std::string& path);
@@ -33,7 +35,8 @@ class PendingFile {
 
   std::string name_;              // as the user gave it, for messages
   std::filesystem::path target_;  // with symbolic links followed: a link stays a link
-  std::filesystem::path beside_;  // equal to target_ when the target is a device or a pipe, which must not be replaced
+  // equal to target_ when the target is a device or a pipe, which must not be replaced
+  std::filesystem::path beside_;
   std::ofstream stream_;
 };
 

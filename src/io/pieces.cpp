@@ -15,14 +15,16 @@ void take_one_light(std::uint32_t light, const Shadows& shadows, Pieces& out) {
     const std::size_t base = out.corners.size();
     out.corners.insert(out.corners.end(), block.corners.begin(), block.corners.end());
     for (const Fragment& f : block.fragments)
-      out.pieces.push_back({f.face, f.facet, f.lit ? 0u : 1u, f.corner_count, base + f.first_corner});
+      out.pieces.push_back(
+          {f.face, f.facet, f.lit ? 0u : 1u, f.corner_count, base + f.first_corner});
   }
 }
 
 std::string name_of(const std::vector<std::uint32_t>& lights) {
   if (lights.empty()) return "shadowed";
   std::string name = "lit by ";
-  for (std::size_t i = 0; i < lights.size(); ++i) name.append(i == 0 ? "" : "+").append(std::to_string(lights[i]));
+  for (std::size_t i = 0; i < lights.size(); ++i)
+    name.append(i == 0 ? "" : "+").append(std::to_string(lights[i]));
   return name;
 }
 
@@ -49,13 +51,15 @@ void take_several(const std::vector<std::uint32_t>& engine_lights, LightSets&& a
 
 std::uint64_t hash_of(const Vec3& v) {
   std::uint64_t hash = 0;
-  for (const double x : v) hash = (std::rotl(hash, 27) ^ std::bit_cast<std::uint64_t>(x)) * 0x9E3779B97F4A7C15u;
+  for (const double x : v)
+    hash = (std::rotl(hash, 27) ^ std::bit_cast<std::uint64_t>(x)) * 0x9E3779B97F4A7C15u;
   return hash ^ hash >> 29;
 }
 
 bool same_bits(const Vec3& a, const Vec3& b) {
-  return std::equal(a.begin(), a.end(), b.begin(),
-                    [](double x, double y) { return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y); });
+  return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
+    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
+  });
 }
 
 }  // namespace
@@ -75,7 +79,8 @@ Pieces pieces_of(const Scene& scene, const Engine& engine) {
   if (lights.size() == 1) take_one_light(lights.front(), engine.shadows(lights.front()), out);
   else take_several(lights, engine.combined(), out);
   std::stable_sort(out.pieces.begin(), out.pieces.end(), [&](const Piece& a, const Piece& b) {
-    const std::uint32_t object_a = scene.faces()[a.face].object, object_b = scene.faces()[b.face].object;
+    const std::uint32_t object_a = scene.faces()[a.face].object,
+                        object_b = scene.faces()[b.face].object;
     return object_a != object_b ? object_a < object_b : a.set < b.set;
   });
   return out;
@@ -103,7 +108,8 @@ void VertexPool::grow() {
 
 std::size_t VertexPool::slot_of(const Vec3& position) const {
   std::size_t slot = hash_of(position) & (slots_.size() - 1);
-  while (slots_[slot] != none && !same_bits(positions_[slots_[slot]], position)) slot = (slot + 1) & (slots_.size() - 1);
+  while (slots_[slot] != none && !same_bits(positions_[slots_[slot]], position))
+    slot = (slot + 1) & (slots_.size() - 1);
   return slot;
 }
 

@@ -1,4 +1,5 @@
-// The fragments of an engine in the one shape all writers take: of one light or of several, sorted by object, each with its light set.
+// The fragments of an engine in the one shape all writers take: of one light or of several, sorted
+// by object, each with its light set.
 #pragma once
 
 #include <cstdint>
@@ -27,9 +28,13 @@ struct Pieces {
   std::vector<LightSet> sets;
   std::size_t light_count = 0;  // without those that have been removed
 
-  std::span<const Vec3> corners_of(const Piece& p) const { return std::span(corners).subspan(p.first_corner, p.corner_count); }
+  std::span<const Vec3> corners_of(const Piece& p) const {
+    return std::span(corners).subspan(p.first_corner, p.corner_count);
+  }
   // The share of the lights that reach the piece, 0 to 1.
-  double brightness(const LightSet& set) const { return static_cast<double>(set.lights.size()) / static_cast<double>(light_count); }
+  double brightness(const LightSet& set) const {
+    return static_cast<double>(set.lights.size()) / static_cast<double>(light_count);
+  }
 };
 
 // The engine's lights that have not been removed, ascending.
@@ -46,7 +51,8 @@ class VertexPool {
 
  private:
   void grow();
-  std::size_t slot_of(const Vec3& position) const;  // the slot that holds it, or the empty one where it belongs
+  // the slot that holds it, or the empty one where it belongs
+  std::size_t slot_of(const Vec3& position) const;
 
   std::vector<Vec3> positions_;
   std::vector<std::uint32_t> slots_;  // a power of two; none: empty

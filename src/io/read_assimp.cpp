@@ -1,7 +1,8 @@
 // Everything Assimp reads: glTF, DAE, FBX, IFC, 3DS and so on. Its coordinates are floats.
 //
-// A node with meshes becomes an object. Assimp makes a mesh of each material; all of a node's meshes go into one object, so that
-// faces of different materials stay neighbours. The node's transform is the object's pose.
+// A node with meshes becomes an object. Assimp makes a mesh of each material; all of a node's
+// meshes go into one object, so that faces of different materials stay neighbours. The node's
+// transform is the object's pose.
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -25,13 +26,15 @@ struct Place {
 Pose pose_of(const aiMatrix4x4& m) {
   Pose pose = Pose::Identity();
   for (unsigned row = 0; row < 3; ++row)
-    for (unsigned column = 0; column < 4; ++column) pose(row, column) = static_cast<double>(m[row][column]);
+    for (unsigned column = 0; column < 4; ++column)
+      pose(row, column) = static_cast<double>(m[row][column]);
   return pose;
 }
 
 Vec3 vector_of(const aiVector3D& v) { return Vec3(v.x, v.y, v.z); }
 
-// Every node, parents first and in the file's order. A list, not a recursion: files nest as deep as they like.
+// Every node, parents first and in the file's order. A list, not a recursion: files nest as deep as
+// they like.
 std::vector<Place> places_of(const aiNode* root) {
   std::vector<Place> places, open{{root, pose_of(root->mTransformation)}};
   while (!open.empty()) {
@@ -49,7 +52,8 @@ std::vector<Place> places_of(const aiNode* root) {
 // Points and lines are no faces; everything else is, however bad.
 void append_mesh(const aiMesh& from, Mesh& to) {
   const auto first = static_cast<std::uint32_t>(to.vertices.size());
-  for (unsigned i = 0; i < from.mNumVertices; ++i) to.vertices.push_back(vector_of(from.mVertices[i]));
+  for (unsigned i = 0; i < from.mNumVertices; ++i)
+    to.vertices.push_back(vector_of(from.mVertices[i]));
   std::vector<std::uint32_t> loop;
   for (unsigned f = 0; f < from.mNumFaces; ++f) {
     const aiFace& face = from.mFaces[f];
@@ -63,7 +67,8 @@ void append_mesh(const aiMesh& from, Mesh& to) {
 
 class Builder {
  public:
-  Builder(const aiScene& file, std::string path, const ReadOptions& options) : file_(file), path_(std::move(path)), options_(options) {}
+  Builder(const aiScene& file, std::string path, const ReadOptions& options)
+      : file_(file), path_(std::move(path)), options_(options) {}
 
   Scene build() {
     places_ = places_of(file_.mRootNode);
@@ -89,17 +94,21 @@ class Builder {
     settings.sides = options_.sides;
     settings.name = unique(name.empty() ? stem_of(path_) : name);
     settings.pose = place.to_world;
-    if (!usable(place.to_world)) {  // a node scaled to nothing: its faces are to be refused one by one, not the file
+    // a node scaled to nothing: its faces are to be refused one by one, not the file
+    if (!usable(place.to_world)) {
       for (Vec3& v : mesh.vertices) v = place.to_world * v;
       settings.pose = Pose::Identity();
     }
     scene_.add(mesh, settings);
   }
 
-  // Many nodes of an IFC are called after their kind only ("IfcMappedItem"): those are told apart by their parents' names.
+  // Many nodes of an IFC are called after their kind only ("IfcMappedItem"): those are told apart
+  // by their parents' names.
   std::string name_of(const aiNode& node) const {
     const std::string name = node.mName.C_Str();
-    if (name.empty() || bearers_.at(name) == 1 || node.mParent == nullptr || node.mParent == file_.mRootNode) return name;
+    if (name.empty() || bearers_.at(name) == 1 || node.mParent == nullptr ||
+        node.mParent == file_.mRootNode)
+      return name;
     const std::string parent = node.mParent->mName.C_Str();
     return parent.empty() ? name : parent + "/" + name;
   }
@@ -119,9 +128,11 @@ class Builder {
     }
   }
 
-  // Light that comes from everywhere or from an area casts no sharp shadow and has no counterpart here.
+  // Light that comes from everywhere or from an area casts no sharp shadow and has no counterpart
+  // here.
   void add_light(const aiLight& from) {
-    const bool directional = from.mType == aiLightSource_DIRECTIONAL, spot = from.mType == aiLightSource_SPOT;
+    const bool directional = from.mType == aiLightSource_DIRECTIONAL,
+               spot = from.mType == aiLightSource_SPOT;
     if (!directional && !spot && from.mType != aiLightSource_POINT) return;
     for (const Place& place : places_) {
       if (place.node->mName != from.mName) continue;
@@ -140,9 +151,12 @@ class Builder {
     Light light = Light::point(place.to_world * vector_of(from.mPosition));
     light.name = from.mName.C_Str();
     ai_real range = 0;  // KHR_lights_punctual's, which Assimp leaves with the node
-    if (place.node->mMetaData != nullptr && place.node->mMetaData->Get("PBR_LightRange", range) && range > 0)
+    if (place.node->mMetaData != nullptr && place.node->mMetaData->Get("PBR_LightRange", range) &&
+        range > 0)
       light.range = static_cast<double>(range);
-    if (spot) light.spot = Light::Spot{place.to_world.linear() * vector_of(from.mDirection), half_angle(from)};
+    if (spot)
+      light.spot =
+          Light::Spot{place.to_world.linear() * vector_of(from.mDirection), half_angle(from)};
     return light;
   }
 
@@ -169,7 +183,8 @@ Scene read_with_assimp(const std::string& path, const ReadOptions& options) {
   check_readable(path);
   Assimp::Importer importer;
   const aiScene* file = importer.ReadFile(path, 0);  // no triangulation: polygons stay polygons
-  if (file == nullptr || file->mRootNode == nullptr) throw Error(path + ": " + printable(trimmed(importer.GetErrorString())));
+  if (file == nullptr || file->mRootNode == nullptr)
+    throw Error(path + ": " + printable(trimmed(importer.GetErrorString())));
   return Builder(*file, path, options).build();
 }
 

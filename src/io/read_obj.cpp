@@ -1,13 +1,14 @@
 // OBJ by tinyobjloader's callbacks, with two precautions.
 //
-// Its number parser is not used: it adds up digits times powers of a tenth and scales by powers of five, both rounded, and of 3000 decimals
-// of 12 to 25 digits it got more than half wrong by an ulp or more. Its indices go through atoi, which turns an index of many digits into a
-// small, valid one. So the text is gone over once before: coordinates are read here and replaced by zeros, indices are checked and replaced
-// by 0, which is no vertex, where they are not integers. What is left for tinyobjloader is the grammar: faces, objects, groups, relative
-// indices.
+// Its number parser is not used: it adds up digits times powers of a tenth and scales by powers of
+// five, both rounded, and of 3000 decimals of 12 to 25 digits it got more than half wrong by an ulp
+// or more. Its indices go through atoi, which turns an index of many digits into a small, valid
+// one. So the text is gone over once before: coordinates are read here and replaced by zeros,
+// indices are checked and replaced by 0, which is no vertex, where they are not integers. What is
+// left for tinyobjloader is the grammar: faces, objects, groups, relative indices.
 //
-// An object of the scene is a pair of an OBJ's object and group. Both are kept in its name, as "object/group". An `o` line ends the group
-// before it.
+// An object of the scene is a pair of an OBJ's object and group. Both are kept in its name, as
+// "object/group". An `o` line ends the group before it.
 #include <tiny_obj_loader.h>
 
 #include <limits>
@@ -23,7 +24,9 @@ namespace {
 
 // Reads a string in place; std::istringstream would copy it.
 struct TextBuffer : std::streambuf {
-  explicit TextBuffer(std::string& text) { setg(text.data(), text.data(), text.data() + text.size()); }
+  explicit TextBuffer(std::string& text) {
+    setg(text.data(), text.data(), text.data() + text.size());
+  }
 };
 
 // The text without what is not needed, and the vertices' coordinates.
@@ -49,7 +52,8 @@ void prepare_line(std::string_view line, Prepared& out) {
   } else if (keyword == "f") {
     out.text += 'f';
     std::string_view word = take_word(line);
-    if (word.empty()) out.text += " 1";  // tinyobjloader would skip a face without corners; this way it is refused, and counted
+    // tinyobjloader would skip a face without corners; this way it is refused, and counted
+    if (word.empty()) out.text += " 1";
     for (; !word.empty(); word = take_word(line)) append_corner(word, out.text);
     out.text += '\n';
   } else if (keyword == "o" || keyword == "g") {
@@ -78,17 +82,23 @@ Prepared prepare(std::string_view text) {
 
 class Collector {
  public:
-  explicit Collector(std::vector<Vec3> positions) : positions_(std::move(positions)), slots_(positions_.size()) {}
+  explicit Collector(std::vector<Vec3> positions)
+      : positions_(std::move(positions)), slots_(positions_.size()) {}
 
   static tinyobj::callback_t callbacks() {
     tinyobj::callback_t call;
     static_assert(sizeof(tinyobj::real_t) == sizeof(double));
-    call.vertex_cb = [](void* p, tinyobj::real_t, tinyobj::real_t, tinyobj::real_t, tinyobj::real_t) {
-      ++static_cast<Collector*>(p)->seen_;
+    call.vertex_cb = [](void* p, tinyobj::real_t, tinyobj::real_t, tinyobj::real_t,
+                        tinyobj::real_t) { ++static_cast<Collector*>(p)->seen_; };
+    call.object_cb = [](void* p, const char* name) {
+      static_cast<Collector*>(p)->start_object(name);
     };
-    call.object_cb = [](void* p, const char* name) { static_cast<Collector*>(p)->start_object(name); };
-    call.group_cb = [](void* p, const char** names, int count) { static_cast<Collector*>(p)->start_group(names, count); };
-    call.index_cb = [](void* p, tinyobj::index_t* indices, int count) { static_cast<Collector*>(p)->add_face(indices, count); };
+    call.group_cb = [](void* p, const char** names, int count) {
+      static_cast<Collector*>(p)->start_group(names, count);
+    };
+    call.index_cb = [](void* p, tinyobj::index_t* indices, int count) {
+      static_cast<Collector*>(p)->add_face(indices, count);
+    };
     return call;
   }
 
@@ -126,7 +136,8 @@ class Collector {
 
   std::uint32_t part() {
     if (current_ != none) return current_;
-    const auto [place, is_new] = by_name_.try_emplace({object_, group_}, static_cast<std::uint32_t>(parts_.size()));
+    const auto [place, is_new] =
+        by_name_.try_emplace({object_, group_}, static_cast<std::uint32_t>(parts_.size()));
     if (is_new) {
       const std::string name = object_ + (object_.empty() || group_.empty() ? "" : "/") + group_;
       parts_.push_back({name.empty() ? "default" : name, {}});
@@ -165,14 +176,16 @@ class Collector {
 }  // namespace
 
 Scene read_obj(std::string_view text, const std::string& name, const ReadOptions& options) {
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) throw Error(name + ": is UTF-16; an OBJ is read as ASCII or UTF-8");
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    throw Error(name + ": is UTF-16; an OBJ is read as ASCII or UTF-8");
   Prepared prepared = prepare(text);
   if (prepared.positions.size() >= none) throw Error(name + ": too many vertices");
   Collector collector(std::move(prepared.positions));
   TextBuffer buffer(prepared.text);
   std::istream in(&buffer);
   std::string warnings, errors;
-  if (!tinyobj::LoadObjWithCallback(in, Collector::callbacks(), &collector, nullptr, &warnings, &errors))
+  if (!tinyobj::LoadObjWithCallback(in, Collector::callbacks(), &collector, nullptr, &warnings,
+                                    &errors))
     throw Error(name + ": " + std::string(trimmed(errors)));
   return collector.scene(options);
 }

@@ -1,6 +1,6 @@
-// OFF as text: OFF, COFF, NOFF, STOFF and their combinations. Every vertex and every face has a line of its own; what follows
-// a vertex's three coordinates or a face's corners (normals, colours, texture coordinates) is stepped over.
-// (OpenMesh's reader passes coordinates through a float.)
+// OFF as text: OFF, COFF, NOFF, STOFF and their combinations. Every vertex and every face has a
+// line of its own; what follows a vertex's three coordinates or a face's corners (normals, colours,
+// texture coordinates) is stepped over. (OpenMesh's reader passes coordinates through a float.)
 #include "readers.hpp"
 #include "text.hpp"
 
@@ -30,7 +30,8 @@ class Reader {
     const std::string_view whole = line, keyword = take_word(line);
     if (integer_of(keyword)) return whole;  // the keyword may be missing
     if (!keyword.ends_with("OFF")) fail("is not an OFF file");
-    if (keyword.find_first_of("4n") != std::string_view::npos) fail("an OFF file with other than three dimensions");
+    if (keyword.find_first_of("4n") != std::string_view::npos)
+      fail("an OFF file with other than three dimensions");
     if (trimmed(line).starts_with("BINARY")) fail("binary OFF is not read");
     return line;
   }
@@ -63,9 +64,11 @@ class Reader {
     loop_.clear();
     for (std::uint64_t i = 0; i < count; ++i) {
       const std::string_view word = take_word(line);
-      if (word.empty()) fail("face " + std::to_string(mesh_.face_count()) + " has fewer corners than it says");
+      if (word.empty())
+        fail("face " + std::to_string(mesh_.face_count()) + " has fewer corners than it says");
       const std::optional<std::int64_t> index = integer_of(word);
-      loop_.push_back(index && *index >= 0 && *index < none ? static_cast<std::uint32_t>(*index) : bad_index);
+      loop_.push_back(index && *index >= 0 && *index < none ? static_cast<std::uint32_t>(*index)
+                                                            : bad_index);
     }
     mesh_.add_face(loop_);
   }

@@ -1,6 +1,7 @@
 // PLY, ascii and binary in both byte orders, with the types of the file: a double stays a double.
-// (OpenMesh's reader was the first choice, but it passes every coordinate through a float, whatever its importer asks for.)
-// Elements and properties other than the vertices' x y z and the faces' vertex_indices are stepped over.
+// (OpenMesh's reader was the first choice, but it passes every coordinate through a float, whatever
+// its importer asks for.) Elements and properties other than the vertices' x y z and the faces'
+// vertex_indices are stepped over.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -183,7 +184,8 @@ class Reader {
 
   std::uint64_t read_length(Type type) {
     const double length = read_value(type);
-    if (!(length >= 0) || length != std::floor(length) || length > 4294967295.0) fail("a PLY list has no proper length");
+    if (!(length >= 0) || length != std::floor(length) || length > 4294967295.0)
+      fail("a PLY list has no proper length");
     return static_cast<std::uint64_t>(length);
   }
 
@@ -195,7 +197,8 @@ class Reader {
   void read_vertices(const Element& element) {
     const std::array<std::string_view, 3> axes{"x", "y", "z"};
     for (const std::string_view axis : axes)
-      if (std::none_of(element.properties.begin(), element.properties.end(), [&](const Property& p) { return p.name == axis; }))
+      if (std::none_of(element.properties.begin(), element.properties.end(),
+                       [&](const Property& p) { return p.name == axis; }))
         fail("the PLY vertices have no " + std::string(axis));
     for (std::uint64_t i = 0; i < element.count; ++i) {
       Vec3 position;
@@ -212,7 +215,8 @@ class Reader {
     if (element.properties.empty()) return;
     for (std::uint64_t i = 0; i < element.count; ++i) {
       for (const Property& property : element.properties) {
-        const bool corners = property.count_type && (property.name == "vertex_indices" || property.name == "vertex_index");
+        const bool corners = property.count_type &&
+                             (property.name == "vertex_indices" || property.name == "vertex_index");
         if (element.name == "face" && corners) read_loop(property);
         else skip(property);
       }

@@ -1,5 +1,6 @@
-// STL, text and binary. A text file's solids become objects. Equal corners are welded by Scene::add, and degenerate facets reported by it.
-// (OpenMesh's reader rounds a text file's numbers to float and leaves degenerate facets out without a word.)
+// STL, text and binary. A text file's solids become objects. Equal corners are welded by
+// Scene::add, and degenerate facets reported by it. (OpenMesh's reader rounds a text file's numbers
+// to float and leaves degenerate facets out without a word.)
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -45,7 +46,8 @@ Solid read_binary(std::string_view bytes, const std::string& name) {
     for (std::size_t corner = 0; corner < 3; ++corner) {
       Vec3 p;
       for (std::size_t axis = 0; axis < 3; ++axis)  // past the normal
-        p[static_cast<Eigen::Index>(axis)] = little_endian<float>(bytes.substr(i * facet_size + 12 + corner * 12 + axis * 4, 4));
+        p[static_cast<Eigen::Index>(axis)] =
+            little_endian<float>(bytes.substr(i * facet_size + 12 + corner * 12 + axis * 4, 4));
       loop[corner] = static_cast<std::uint32_t>(solid.mesh.vertices.size());
       solid.mesh.vertices.push_back(p);
     }
@@ -56,7 +58,8 @@ Solid read_binary(std::string_view bytes, const std::string& name) {
 
 std::string lower(std::string_view word) {
   std::string text(word);
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return text;
 }
 

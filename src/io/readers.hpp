@@ -1,6 +1,7 @@
-// The readers behind read_scene, one for each family of formats. Each takes the file's bytes, so that none opens files its own way;
-// `name` stands for the file in messages. All throw Error on a file that is not of their format; a face with a bad coordinate or index
-// is not their matter: it goes to Scene::add, which reports it.
+// The readers behind read_scene, one for each family of formats. Each takes the file's bytes, so
+// that none opens files its own way; `name` stands for the file in messages. All throw Error on a
+// file that is not of their format; a face with a bad coordinate or index is not their matter: it
+// goes to Scene::add, which reports it.
 #pragma once
 
 #include <shadowcut/io.hpp>
@@ -9,7 +10,8 @@
 
 namespace shadowcut::io {
 
-// The file's name without folder and extension: the name of the one object of a format without names.
+// The file's name without folder and extension: the name of the one object of a format without
+// names.
 std::string stem_of(const std::string& path);
 
 // A scene for a reader to fill.

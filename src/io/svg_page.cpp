@@ -46,8 +46,11 @@ double round_length(double limit) {
 
 }  // namespace
 
-SvgPage::SvgPage(double width, double height, const Colour& background) : width_(width), height_(height) {
-  text_ = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"";
+SvgPage::SvgPage(double width, double height, const Colour& background)
+    : width_(width), height_(height) {
+  text_ =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
+      "width=\"";
   number(width);
   text_ += "\" height=\"";
   number(height);
@@ -55,13 +58,17 @@ SvgPage::SvgPage(double width, double height, const Colour& background) : width_
   number(width);
   text_ += ' ';
   number(height);
-  text_ += "\" stroke-linejoin=\"round\" font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"" +
-           hex(background) + "\"/>\n";
+  text_ +=
+      "\" stroke-linejoin=\"round\" font-family=\"sans-serif\" font-size=\"13\">\n<rect "
+      "width=\"100%\" height=\"100%\" fill=\"" +
+      hex(background) + "\"/>\n";
 }
 
 void SvgPage::number(double value) {
   char digits[64];
-  const auto end = std::to_chars(digits, digits + sizeof digits, std::clamp(value, -1e9, 1e9), std::chars_format::fixed, 2).ptr;
+  const auto end = std::to_chars(digits, digits + sizeof digits, std::clamp(value, -1e9, 1e9),
+                                 std::chars_format::fixed, 2)
+                       .ptr;
   std::string_view word(digits, static_cast<std::size_t>(end - digits));
   while (word.ends_with('0')) word.remove_suffix(1);
   if (word.ends_with('.')) word.remove_suffix(1);
@@ -84,7 +91,8 @@ void SvgPage::title(std::string_view title) {
   in_group_ = true;
 }
 
-void SvgPage::polygon(std::span<const Point> corners, const Colour& fill, const Colour& stroke, double stroke_width) {
+void SvgPage::polygon(std::span<const Point> corners, const Colour& fill, const Colour& stroke,
+                      double stroke_width) {
   text_ += "<polygon points=\"";
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (i > 0) text_ += ' ';

@@ -17,7 +17,8 @@ class SvgPage {
 
   // What follows belongs to `title`, until the next title; viewers show it where the pointer is.
   void title(std::string_view title);
-  void polygon(std::span<const Point> corners, const Colour& fill, const Colour& stroke, double stroke_width);
+  void polygon(std::span<const Point> corners, const Colour& fill, const Colour& stroke,
+               double stroke_width);
   void line(const Point& a, const Point& b, const Colour& stroke, double stroke_width);
   void disc(const Point& centre, double radius, const Colour& fill, const Colour& stroke);
   void text(const Point& at, std::string_view words);

@@ -18,7 +18,8 @@ double out_of_range_number(std::string_view word) {
   in.imbue(std::locale::classic());
   double value = 0;
   if (in >> value) return value;
-  return word.front() == '-' ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
+  return word.front() == '-' ? -std::numeric_limits<double>::infinity()
+                             : std::numeric_limits<double>::infinity();
 }
 
 // The length of the UTF-8 character at the front of `text`, 0 when it is none.
@@ -26,13 +27,17 @@ std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char lead = byte(0);
   if (lead < 0x80) return lead >= 0x20 && lead != 0x7f ? 1 : 0;
-  const std::size_t length = lead >= 0xc2 && lead < 0xe0 ? 2 : (lead & 0xf0) == 0xe0 ? 3 : lead >= 0xf0 && lead < 0xf5 ? 4 : 0;
+  const std::size_t length = lead >= 0xc2 && lead < 0xe0   ? 2
+                             : (lead & 0xf0) == 0xe0       ? 3
+                             : lead >= 0xf0 && lead < 0xf5 ? 4
+                                                           : 0;
   if (length == 0 || text.size() < length) return 0;
   for (std::size_t i = 1; i < length; ++i)
     if ((byte(i) & 0xc0) != 0x80) return 0;
   const bool overlong = (lead == 0xe0 && byte(1) < 0xa0) || (lead == 0xf0 && byte(1) < 0x90);
   const bool surrogate = lead == 0xed && byte(1) >= 0xa0, beyond = lead == 0xf4 && byte(1) >= 0x90;
-  const bool control = lead == 0xc2 && byte(1) < 0xa0, non_character = lead == 0xef && byte(1) == 0xbf && byte(2) >= 0xbe;
+  const bool control = lead == 0xc2 && byte(1) < 0xa0,
+             non_character = lead == 0xef && byte(1) == 0xbf && byte(2) >= 0xbe;
   return overlong || surrogate || beyond || control || non_character ? 0 : length;
 }
 
@@ -65,7 +70,8 @@ double number_of(std::string_view word) {
   if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (word.empty() || end != word.data() + word.size()) return std::numeric_limits<double>::quiet_NaN();
+  if (word.empty() || end != word.data() + word.size())
+    return std::numeric_limits<double>::quiet_NaN();
   if (error == std::errc::result_out_of_range) return out_of_range_number(word);
   return error == std::errc() ? value : std::numeric_limits<double>::quiet_NaN();
 }

@@ -20,16 +20,21 @@ std::string csv_name(std::string_view name) {
 
 }  // namespace
 
-Vec3 colour_of(double brightness) { return Vec3(0.40, 0.44, 0.52) + brightness * (Vec3(1.0, 0.95, 0.82) - Vec3(0.40, 0.44, 0.52)); }
+Vec3 colour_of(double brightness) {
+  return Vec3(0.40, 0.44, 0.52) + brightness * (Vec3(1.0, 0.95, 0.82) - Vec3(0.40, 0.44, 0.52));
+}
 
-void write_fragments(const std::string& path, const Scene& scene, const Engine& engine, const View& view) {
+void write_fragments(const std::string& path, const Scene& scene, const Engine& engine,
+                     const View& view) {
   const std::string extension = extension_of(path);
   if (lights_of(engine).empty()) throw Error(path + ": no light to draw by");
   if (extension == ".obj") write_obj(path, scene, pieces_of(scene, engine));
   else if (extension == ".ply") write_ply(path, scene, pieces_of(scene, engine));
-  else if (extension == ".gltf" || extension == ".glb") write_gltf(path, scene, pieces_of(scene, engine), extension == ".glb");
+  else if (extension == ".gltf" || extension == ".glb")
+    write_gltf(path, scene, pieces_of(scene, engine), extension == ".glb");
   else if (extension == ".svg") write_svg(path, scene, engine, view);
-  else throw Error(path + ": cannot be written: the extension is none of .obj .ply .gltf .glb .svg");
+  else
+    throw Error(path + ": cannot be written: the extension is none of .obj .ply .gltf .glb .svg");
 }
 
 void write_areas(const std::string& path, const Scene& scene, const Engine& engine) {

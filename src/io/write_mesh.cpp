@@ -1,4 +1,5 @@
-// Fragments as polygons: OBJ with materials, and PLY with properties. Coordinates are written so that they read back to the bit.
+// Fragments as polygons: OBJ with materials, and PLY with properties. Coordinates are written so
+// that they read back to the bit.
 #include <algorithm>
 #include <filesystem>
 
@@ -103,12 +104,17 @@ void write_ply(const std::string& path, const Scene& scene, const Pieces& pieces
     if (!scene.objects()[i].alive) continue;
     text += "comment object " + std::to_string(i) + " " + printable(scene.objects()[i].name) + "\n";
   }
-  for (std::size_t i = 0; i < pieces.sets.size(); ++i) text += "comment light_set " + std::to_string(i) + " " + pieces.sets[i].name + "\n";
-  text += "comment face is numbered within its object; lit is the number of lights that reach the fragment\n";
+  for (std::size_t i = 0; i < pieces.sets.size(); ++i)
+    text += "comment light_set " + std::to_string(i) + " " + pieces.sets[i].name + "\n";
   text +=
-      "element vertex " + std::to_string(indexed.pool.positions().size()) + "\nproperty double x\nproperty double y\nproperty double z\n";
-  text += "element face " + std::to_string(pieces.pieces.size()) + "\nproperty list " + (most < 256 ? "uchar" : "uint") +
-          " uint vertex_indices\nproperty int object\nproperty int face\nproperty int lit\nproperty int light_set\nend_header\n";
+      "comment face is numbered within its object; lit is the number of lights that reach the "
+      "fragment\n";
+  text += "element vertex " + std::to_string(indexed.pool.positions().size()) +
+          "\nproperty double x\nproperty double y\nproperty double z\n";
+  text += "element face " + std::to_string(pieces.pieces.size()) + "\nproperty list " +
+          (most < 256 ? "uchar" : "uint") +
+          " uint vertex_indices\nproperty int object\nproperty int face\nproperty int "
+          "lit\nproperty int light_set\nend_header\n";
   for (const Vec3& p : indexed.pool.positions()) {
     append_position(text, p);
     flush(file, text, block_size);
@@ -116,9 +122,11 @@ void write_ply(const std::string& path, const Scene& scene, const Pieces& pieces
   for (const Piece& piece : pieces.pieces) {
     const Face& face = scene.faces()[piece.face];
     append(text, std::uint64_t{piece.corner_count});
-    for (std::uint32_t i = 0; i < piece.corner_count; ++i) append(text += ' ', std::uint64_t{indexed.indices[piece.first_corner + i]});
-    for (const std::uint64_t value : {std::uint64_t{face.object}, std::uint64_t{face.number},
-                                      std::uint64_t{pieces.sets[piece.set].lights.size()}, std::uint64_t{piece.set}})
+    for (std::uint32_t i = 0; i < piece.corner_count; ++i)
+      append(text += ' ', std::uint64_t{indexed.indices[piece.first_corner + i]});
+    for (const std::uint64_t value :
+         {std::uint64_t{face.object}, std::uint64_t{face.number},
+          std::uint64_t{pieces.sets[piece.set].lights.size()}, std::uint64_t{piece.set}})
       append(text += ' ', value);
     text += '\n';
     flush(file, text, block_size);

@@ -1,7 +1,8 @@
 // Drawings of fragments: a plan from above, one face laid flat, or a view in perspective.
 //
-// The view in perspective has no painter's order and no depth buffer. The eye is added to the lights as one more of them: what it "lights"
-// is what can be seen, cut by the engine as exactly as a shadow is, and the fragments that it reaches are drawn as they are.
+// The view in perspective has no painter's order and no depth buffer. The eye is added to the
+// lights as one more of them: what it "lights" is what can be seen, cut by the engine as exactly as
+// a shadow is, and the fragments that it reaches are drawn as they are.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,7 +16,8 @@ namespace shadowcut::io {
 
 namespace {
 
-constexpr double margin = 30, foot = 60;  // px around a drawing to scale, and below it for the scale bar
+// px around a drawing to scale, and below it for the scale bar
+constexpr double margin = 30, foot = 60;
 const Colour paper(0.985, 0.98, 0.97), sky(0.90, 0.93, 0.96), ink(0.16, 0.17, 0.2);
 
 // A frame for looking along -towards: right and above span the page.
@@ -47,9 +49,12 @@ class Fit {
     scale_ = std::min(room.x() / size.x(), room.y() / size.y());
     if (!std::isfinite(scale_)) scale_ = 1;
     const Point spare = 0.5 * (room - scale_ * size);
-    origin_ = Point(margin + spare.x() - scale_ * box.min().x(), margin + spare.y() + scale_ * box.max().y());
+    origin_ = Point(margin + spare.x() - scale_ * box.min().x(),
+                    margin + spare.y() + scale_ * box.max().y());
   }
-  Point operator()(const Point& p) const { return {origin_.x() + scale_ * p.x(), origin_.y() - scale_ * p.y()}; }
+  Point operator()(const Point& p) const {
+    return {origin_.x() + scale_ * p.x(), origin_.y() - scale_ * p.y()};
+  }
   double scale() const { return scale_; }
 
  private:
@@ -57,21 +62,25 @@ class Fit {
   double scale_;
 };
 
-// Positive on the front side of the plane, for a point or, when directional, for where the light comes from.
+// Positive on the front side of the plane, for a point or, when directional, for where the light
+// comes from.
 double side_of(const Plane& plane, const Light& light) {
-  return light.kind == Light::Kind::point ? plane.normal.dot(light.at - plane.point) : -plane.normal.dot(light.at);
+  return light.kind == Light::Kind::point ? plane.normal.dot(light.at - plane.point)
+                                          : -plane.normal.dot(light.at);
 }
 
-// How bright a piece looks from a place: of the lights that reach it, those on the onlooker's side of it count. A sheet lit from behind is
-// dark.
-double seen_light(const LightSet& set, const std::vector<Light>& lights, const Plane& plane, double onlooker_side) {
+// How bright a piece looks from a place: of the lights that reach it, those on the onlooker's side
+// of it count. A sheet lit from behind is dark.
+double seen_light(const LightSet& set, const std::vector<Light>& lights, const Plane& plane,
+                  double onlooker_side) {
   double sum = 0;
   for (const std::uint32_t k : set.lights)
     if (k < lights.size() && side_of(plane, lights[k]) * onlooker_side > 0) ++sum;
   return sum;
 }
 
-// Which edges of the scene a drawing should show: the rim of a surface, or a fold sharper than 30 degrees.
+// Which edges of the scene a drawing should show: the rim of a surface, or a fold sharper than 30
+// degrees.
 class Creases {
  public:
   explicit Creases(const Scene& scene) : scene_(scene), shows_(scene.edges().size(), false) {
@@ -81,7 +90,9 @@ class Creases {
       for (const Corner& c : scene.corners_of(facet)) {
         const std::uint32_t edge = c.edge >> 1;
         if (first[edge] == none) first[edge] = facet.plane;
-        else if (std::abs(scene.planes()[first[edge]].normal.dot(scene.planes()[facet.plane].normal)) < smooth) shows_[edge] = true;
+        else if (std::abs(scene.planes()[first[edge]].normal.dot(
+                     scene.planes()[facet.plane].normal)) < smooth)
+          shows_[edge] = true;
         ++count[edge];
       }
     }
@@ -93,9 +104,11 @@ class Creases {
     const std::span<const Corner> corners = scene_.corners_of(facet);
     for (std::size_t k = 0; k < corners.size(); ++k) {
       if (!shows_[corners[k].edge >> 1]) continue;
-      const Vec3 &p = scene_.vertices()[corners[k].vertex], &q = scene_.vertices()[corners[(k + 1) % corners.size()].vertex];
+      const Vec3 &p = scene_.vertices()[corners[k].vertex],
+                 &q = scene_.vertices()[corners[(k + 1) % corners.size()].vertex];
       const double tolerance = 1e-7 * (q - p).squaredNorm();
-      if ((a - p).cross(q - p).norm() <= tolerance && (b - p).cross(q - p).norm() <= tolerance) return true;
+      if ((a - p).cross(q - p).norm() <= tolerance && (b - p).cross(q - p).norm() <= tolerance)
+        return true;
     }
     return false;
   }
@@ -109,7 +122,8 @@ class Creases {
 Colour colour_of_object(std::string_view name) {
   std::uint32_t hash = 2166136261u;
   for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
-  const double hue = 6.0 * static_cast<double>(hash % 997) / 997, saturation = 0.06 + 0.16 * static_cast<double>(hash / 997 % 5) / 4;
+  const double hue = 6.0 * static_cast<double>(hash % 997) / 997,
+               saturation = 0.06 + 0.16 * static_cast<double>(hash / 997 % 5) / 4;
   const auto channel = [&](double shift) {
     const double t = std::fmod(hue + shift, 6.0);
     return 1 - saturation * std::clamp(std::min(t, 4 - t), 0.0, 1.0);
@@ -145,7 +159,8 @@ class Plan {
   std::string draw() {
     for (const Piece& piece : pieces_.pieces) take(piece);
     if (sheets_.empty()) throw Error("nothing to draw: no surface faces up");
-    std::stable_sort(sheets_.begin(), sheets_.end(), [](const Sheet& a, const Sheet& b) { return a.height < b.height; });
+    std::stable_sort(sheets_.begin(), sheets_.end(),
+                     [](const Sheet& a, const Sheet& b) { return a.height < b.height; });
     Eigen::AlignedBox2d box;
     for (const Knot& c : points_) box.extend(c.at);
     const Fit fit(box, page_);
@@ -176,15 +191,20 @@ class Plan {
     if (std::abs(slope) < 1e-9 || (slope < 0 && !either_side)) return;
     const std::span<const Vec3> corners = pieces_.corners_of(piece);
     polygon_.assign(corners.begin(), corners.end());
-    if (std::isfinite(view_.cut)) clip(polygon_, scratch_, [&](const Vec3& p) { return view_.cut - frame_.towards.dot(p); });
+    if (std::isfinite(view_.cut))
+      clip(polygon_, scratch_, [&](const Vec3& p) { return view_.cut - frame_.towards.dot(p); });
     if (polygon_.size() < 3) return;
 
-    const double light = seen_light(pieces_.sets[piece.set], lights_, plane, slope) / static_cast<double>(pieces_.light_count);
+    const double light = seen_light(pieces_.sets[piece.set], lights_, plane, slope) /
+                         static_cast<double>(pieces_.light_count);
     double height = 0;
-    for (const Vec3& p : polygon_) height += frame_.towards.dot(p) / static_cast<double>(polygon_.size());
-    const Colour tint = 0.5 * Colour::Ones() + 0.5 * colour_of_object(scene_.objects()[object].name);
-    sheets_.push_back(
-        {height, object, (0.8 + 0.2 * std::abs(slope)) * colour_of(light).cwiseProduct(tint), points_.size(), polygon_.size()});
+    for (const Vec3& p : polygon_)
+      height += frame_.towards.dot(p) / static_cast<double>(polygon_.size());
+    const Colour tint =
+        0.5 * Colour::Ones() + 0.5 * colour_of_object(scene_.objects()[object].name);
+    sheets_.push_back({height, object,
+                       (0.8 + 0.2 * std::abs(slope)) * colour_of(light).cwiseProduct(tint),
+                       points_.size(), polygon_.size()});
     for (std::size_t i = 0; i < polygon_.size(); ++i) {
       const Vec3 &a = polygon_[i], &b = polygon_[(i + 1) % polygon_.size()];
       points_.push_back({frame_.flat(a), creases_.holds(scene_.facets()[piece.facet], a, b)});
@@ -194,10 +214,12 @@ class Plan {
   void paint(const Sheet& sheet, const Fit& fit) {
     page_.title(scene_.objects()[sheet.object].name);
     corners_.clear();
-    for (std::size_t i = 0; i < sheet.count; ++i) corners_.push_back(fit(points_[sheet.first + i].at));
+    for (std::size_t i = 0; i < sheet.count; ++i)
+      corners_.push_back(fit(points_[sheet.first + i].at));
     page_.polygon(corners_, sheet.colour, sheet.colour * 0.86, 0.4);
     for (std::size_t i = 0; i < sheet.count; ++i)
-      if (points_[sheet.first + i].crease) page_.line(corners_[i], corners_[(i + 1) % corners_.size()], ink, 0.7);
+      if (points_[sheet.first + i].crease)
+        page_.line(corners_[i], corners_[(i + 1) % corners_.size()], ink, 0.7);
   }
 
   void mark(const Light& light, const Fit& fit) {
@@ -225,16 +247,19 @@ class Plan {
 // ---- face
 
 std::string draw_face(const Scene& scene, const Pieces& pieces, const View& view) {
-  if (view.face >= scene.faces().size() || scene.faces()[view.face].object == none) throw Error("no such face to draw");
+  if (view.face >= scene.faces().size() || scene.faces()[view.face].object == none)
+    throw Error("no such face to draw");
   const Face& face = scene.faces()[view.face];
   const Object& object = scene.objects()[face.object];
   const std::string title = object.name + ", face " + std::to_string(face.number);
   if (face.facet_count == 0) throw Error("nothing to draw: " + title + " was refused");
-  const Frame frame = frame_towards(scene.planes()[scene.facets()[face.first_facet].plane].normal, view.up);
+  const Frame frame =
+      frame_towards(scene.planes()[scene.facets()[face.first_facet].plane].normal, view.up);
 
   Eigen::AlignedBox2d box;
   for (std::uint32_t k = 0; k < face.facet_count; ++k)
-    for (const Corner& c : scene.corners_of(scene.facets()[face.first_facet + k])) box.extend(frame.flat(scene.vertices()[c.vertex]));
+    for (const Corner& c : scene.corners_of(scene.facets()[face.first_facet + k]))
+      box.extend(frame.flat(scene.vertices()[c.vertex]));
   SvgPage page(view.width, view.height, paper);
   const Fit fit(box, page);
   page.title(title);
@@ -257,10 +282,16 @@ std::string draw_face(const Scene& scene, const Pieces& pieces, const View& view
 class CameraView {
  public:
   CameraView(const Scene& scene, const View& view, const std::vector<Light>& lights)
-      : scene_(scene), view_(view), lights_(lights), page_(view.width, view.height, sky), creases_(scene) {
+      : scene_(scene),
+        view_(view),
+        lights_(lights),
+        page_(view.width, view.height, sky),
+        creases_(scene) {
     const Vec3 back = view.eye - view.target;
-    if (!back.allFinite() || back.norm() == 0) throw Error("nothing to draw: the eye is at its target");
-    if (!(view.fov > 0 && view.fov < std::numbers::pi)) throw Error("nothing to draw: a field of view is between 0 and 180 degrees");
+    if (!back.allFinite() || back.norm() == 0)
+      throw Error("nothing to draw: the eye is at its target");
+    if (!(view.fov > 0 && view.fov < std::numbers::pi))
+      throw Error("nothing to draw: a field of view is between 0 and 180 degrees");
     frame_ = frame_towards(back, view.up);
     near_ = 1e-3 * back.norm();
     slope_y_ = std::tan(view.fov / 2);
@@ -293,7 +324,8 @@ class CameraView {
     if (!project(corners)) return;
     const Colour colour = shade(all, i, object);
     page_.title(scene_.objects()[object].name);
-    page_.polygon(page_corners_, colour, colour, 1);  // the stroke closes the hair between neighbours
+    // the stroke closes the hair between neighbours
+    page_.polygon(page_corners_, colour, colour, 1);
     for (std::size_t k = 0; k < corners.size(); ++k) {
       const Vec3 ends[] = {corners[k], corners[(k + 1) % corners.size()]};
       if (creases_.holds(scene_.facets()[fragment.facet], ends[0], ends[1]) && project(ends))
@@ -306,7 +338,8 @@ class CameraView {
     polygon_.clear();
     for (const Vec3& p : corners) {
       const Vec3 from_eye = p - view_.eye;
-      polygon_.push_back({frame_.right.dot(from_eye), frame_.above.dot(from_eye), -frame_.towards.dot(from_eye)});
+      polygon_.push_back(
+          {frame_.right.dot(from_eye), frame_.above.dot(from_eye), -frame_.towards.dot(from_eye)});
     }
     clip(polygon_, scratch_, [&](const Vec3& p) { return p.z() - near_; });
     for (const double side : {-1.0, 1.0}) {
@@ -315,8 +348,8 @@ class CameraView {
     }
     page_corners_.clear();
     for (const Vec3& p : polygon_) {
-      page_corners_.push_back(
-          {0.5 * view_.width * (1 + p.x() / (p.z() * slope_x_)), 0.5 * view_.height * (1 - p.y() / (p.z() * slope_y_))});
+      page_corners_.push_back({0.5 * view_.width * (1 + p.x() / (p.z() * slope_x_)),
+                               0.5 * view_.height * (1 - p.y() / (p.z() * slope_y_))});
     }
     return page_corners_.size() >= std::min<std::size_t>(3, corners.size());
   }
@@ -328,12 +361,17 @@ class CameraView {
     double light = 0;
     for (std::size_t k = 0; k < lights_.size(); ++k) {
       if (!all.reaches(i, k) || side_of(plane, lights_[k]) * eye_side <= 0) continue;
-      const Vec3 to_light = lights_[k].kind == Light::Kind::point ? Vec3(lights_[k].at - plane.point) : Vec3(-lights_[k].at);
-      light += (0.6 + 0.4 * std::abs(plane.normal.dot(to_light.normalized()))) / static_cast<double>(lights_.size());
+      const Vec3 to_light = lights_[k].kind == Light::Kind::point
+                                ? Vec3(lights_[k].at - plane.point)
+                                : Vec3(-lights_[k].at);
+      light += (0.6 + 0.4 * std::abs(plane.normal.dot(to_light.normalized()))) /
+               static_cast<double>(lights_.size());
     }
-    const double ambient = 0.30 + 0.10 * std::abs(plane.normal.dot(frame_.towards)) + 0.06 * plane.normal.dot(view_.up.normalized());
+    const double ambient = 0.30 + 0.10 * std::abs(plane.normal.dot(frame_.towards)) +
+                           0.06 * plane.normal.dot(view_.up.normalized());
     const Colour warm(1.0, 0.97, 0.90), cool(0.86, 0.93, 1.06);
-    return colour_of_object(scene_.objects()[object].name).cwiseProduct(ambient * cool + 0.62 * light * warm);
+    return colour_of_object(scene_.objects()[object].name)
+        .cwiseProduct(ambient * cool + 0.62 * light * warm);
   }
 
   const Scene& scene_;
@@ -348,7 +386,8 @@ class CameraView {
   std::vector<std::pair<Point, Point>> lines_;
 };
 
-std::string draw(const Scene& scene, const Engine& engine, const View& view, const std::vector<Light>& lights) {
+std::string draw(const Scene& scene, const Engine& engine, const View& view,
+                 const std::vector<Light>& lights) {
   const std::vector<std::uint32_t> shining = lights_of(engine);
   if (view.kind == View::Kind::camera) {
     std::vector<Light> some;
@@ -356,12 +395,14 @@ std::string draw(const Scene& scene, const Engine& engine, const View& view, con
     return CameraView(scene, view, some).draw();
   }
   const Pieces pieces = pieces_of(scene, engine);
-  return view.kind == View::Kind::face ? draw_face(scene, pieces, view) : Plan(scene, pieces, view, lights, shining).draw();
+  return view.kind == View::Kind::face ? draw_face(scene, pieces, view)
+                                       : Plan(scene, pieces, view, lights, shining).draw();
 }
 
 }  // namespace
 
-void write_svg(const std::string& path, const Scene& scene, const Engine& engine, const View& view) {
+void write_svg(const std::string& path, const Scene& scene, const Engine& engine,
+               const View& view) {
   std::vector<Light> lights = view.lights;
   if (lights.empty()) lights.assign(scene.lights().begin(), scene.lights().end());
   if (view.kind != View::Kind::face && lights.size() != engine.light_count())

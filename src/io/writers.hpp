@@ -13,7 +13,8 @@ void write_ply(const std::string& path, const Scene& scene, const Pieces& pieces
 void write_gltf(const std::string& path, const Scene& scene, const Pieces& pieces, bool binary);
 void write_svg(const std::string& path, const Scene& scene, const Engine& engine, const View& view);
 
-// The colour of a material that a share `brightness` of the lights reaches: from a cool dark grey to a pale warm white. sRGB, 0 to 1.
+// The colour of a material that a share `brightness` of the lights reaches: from a cool dark grey
+// to a pale warm white. sRGB, 0 to 1.
 Vec3 colour_of(double brightness);
 
 }  // namespace shadowcut::io

@@ -12,7 +12,8 @@ Pose Camera::view() const {
   if (right.norm() < 1e-6 * up.norm()) right = back.unitOrthogonal();
   right.normalize();
   Pose pose = Pose::Identity();
-  pose.linear().row(0) = right, pose.linear().row(1) = back.cross(right), pose.linear().row(2) = back;
+  pose.linear().row(0) = right, pose.linear().row(1) = back.cross(right),
+  pose.linear().row(2) = back;
   pose.translation() = -(pose.linear() * eye);
   return pose;
 }
@@ -25,9 +26,12 @@ Eigen::Matrix4d Camera::projection(double aspect, double near) const {
 }
 
 void check(const Camera& camera) {
-  if (!camera.eye.allFinite() || !camera.target.allFinite()) throw Error("camera: its coordinates must be finite");
-  if ((camera.eye - camera.target).stableNorm() == 0) throw Error("camera: eye and target are the same point");
-  if (!(camera.fov > 0 && camera.fov < std::numbers::pi)) throw Error("camera: the field of view must be between 0 and 180 degrees");
+  if (!camera.eye.allFinite() || !camera.target.allFinite())
+    throw Error("camera: its coordinates must be finite");
+  if ((camera.eye - camera.target).stableNorm() == 0)
+    throw Error("camera: eye and target are the same point");
+  if (!(camera.fov > 0 && camera.fov < std::numbers::pi))
+    throw Error("camera: the field of view must be between 0 and 180 degrees");
 }
 
 }  // namespace shadowcut::render

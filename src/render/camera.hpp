@@ -12,7 +12,8 @@ struct Camera {
   double fov = 1.0471975511965976;  // vertical, radians
   Vec3 up = Vec3::UnitZ();
 
-  // World to camera: x to the right, y up, looking along -z. Where it looks along `up`, another axis serves.
+  // World to camera: x to the right, y up, looking along -z. Where it looks along `up`, another
+  // axis serves.
   Pose view() const;
   // From camera space to clip space, near plane at `near`, nothing beyond is too far.
   Eigen::Matrix4d projection(double aspect, double near) const;

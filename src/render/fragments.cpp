@@ -1,8 +1,8 @@
-// The engine's own fragments: those that a light reaches are drawn, the others are not. There is no shadow pass; after an edit only what
-// Engine::update() hands out is uploaded.
+// The engine's own fragments: those that a light reaches are drawn, the others are not. There is no
+// shadow pass; after an edit only what Engine::update() hands out is uploaded.
 //
-// The conforming form: the rasteriser would leave cracks at T-junctions. The ambient picture below them is made of whole faces, so
-// fragments are drawn a little in front of it.
+// The conforming form: the rasteriser would leave cracks at T-junctions. The ambient picture below
+// them is made of whole faces, so fragments are drawn a little in front of it.
 #include <shadowcut/buffers.hpp>
 
 #include "technique.hpp"
@@ -20,12 +20,14 @@ class LitBuffers {
     fragments_.update(engine, changes);
     colours_.resize(fragments_.vertex_capacity());
     if (fragments_.grown()) {
-      positions_.make(fragments_.positions()), normals_.make(fragments_.normals()), paint_.make(std::span<const Paint>(colours_));
+      positions_.make(fragments_.positions()), normals_.make(fragments_.normals()),
+          paint_.make(std::span<const Paint>(colours_));
     }
     std::size_t bytes = 0;
     for (const FragmentBuffers::Range& range : fragments_.changed_vertices()) {
       paint(engine.scene(), range);
-      bytes += positions_.upload(fragments_.positions(), 3, range) + normals_.upload(fragments_.normals(), 3, range) +
+      bytes += positions_.upload(fragments_.positions(), 3, range) +
+               normals_.upload(fragments_.normals(), 3, range) +
                paint_.upload(std::span<const Paint>(colours_), 1, range);
     }
     return bytes;
@@ -58,14 +60,16 @@ class LitBuffers {
     template <class T>
     void make(std::span<const T> values) {
       glBindBuffer(GL_ARRAY_BUFFER, buffer_.get());
-      glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(values.size_bytes()), nullptr, GL_DYNAMIC_DRAW);
+      glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(values.size_bytes()), nullptr,
+                   GL_DYNAMIC_DRAW);
     }
     template <class T>
-    std::size_t upload(std::span<const T> values, std::size_t width, const FragmentBuffers::Range& range) {
+    std::size_t upload(std::span<const T> values, std::size_t width,
+                       const FragmentBuffers::Range& range) {
       const std::span<const T> part = values.subspan(width * range.first, width * range.count);
       glBindBuffer(GL_ARRAY_BUFFER, buffer_.get());
-      glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(width * range.first * sizeof(T)), static_cast<GLsizeiptr>(part.size_bytes()),
-                      part.data());
+      glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(width * range.first * sizeof(T)),
+                      static_cast<GLsizeiptr>(part.size_bytes()), part.data());
       return part.size_bytes();
     }
 
@@ -94,17 +98,22 @@ class LitBuffers {
 class Fragments : public Technique {
  public:
   Fragments(const Scene& scene, const Model& model)
-      : model_(model), engine_(scene, options()), lit_(Model::lit_vertex_shader(), Model::lit_fragment_shader()) {}
+      : model_(model),
+        engine_(scene, options()),
+        lit_(Model::lit_vertex_shader(), Model::lit_fragment_shader()) {}
 
   void update() override {
     const Changes& changes = engine_.update();
     gone_ = added_ = bytes_ = 0;
     update_ms_ = changes.ms;
     for (const LightChanges& change : changes.lights) {
-      gone_ += static_cast<double>(change.gone.size()), added_ += static_cast<double>(change.added.size());
+      gone_ += static_cast<double>(change.gone.size()),
+          added_ += static_cast<double>(change.added.size());
     }
-    while (buffers_.size() < engine_.light_count()) buffers_.emplace_back(static_cast<std::uint32_t>(buffers_.size()), model_);
-    for (LitBuffers& buffers : buffers_) bytes_ += static_cast<double>(buffers.update(engine_, changes));
+    while (buffers_.size() < engine_.light_count())
+      buffers_.emplace_back(static_cast<std::uint32_t>(buffers_.size()), model_);
+    for (LitBuffers& buffers : buffers_)
+      bytes_ += static_cast<double>(buffers.update(engine_, changes));
   }
 
   void add_light(const Frame& frame, std::size_t light) override {
@@ -116,7 +125,9 @@ class Fragments : public Technique {
     glBlendFunc(GL_ONE, GL_ONE);
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(-0.25f, -4);
-    Model::once_a_pixel();  // corners go to the driver as floats, and two fragments that meet in them may both cover a pixel
+    // corners go to the driver as floats, and two fragments that meet in them may both cover a
+    // pixel
+    Model::once_a_pixel();
     buffers_[light].draw();
     glDisable(GL_STENCIL_TEST);
     glDisable(GL_POLYGON_OFFSET_FILL);
@@ -124,7 +135,10 @@ class Fragments : public Technique {
   }
 
   Figures figures() const override {
-    return {{"update_ms", update_ms_}, {"fragments_gone", gone_}, {"fragments_new", added_}, {"bytes_uploaded", bytes_}};
+    return {{"update_ms", update_ms_},
+            {"fragments_gone", gone_},
+            {"fragments_new", added_},
+            {"bytes_uploaded", bytes_}};
   }
   const Engine* engine() const override { return &engine_; }
 
@@ -144,6 +158,8 @@ class Fragments : public Technique {
 
 }  // namespace
 
-std::unique_ptr<Technique> make_fragments(const Scene& scene, const Model& model) { return std::make_unique<Fragments>(scene, model); }
+std::unique_ptr<Technique> make_fragments(const Scene& scene, const Model& model) {
+  return std::make_unique<Fragments>(scene, model);
+}
 
 }  // namespace shadowcut::render

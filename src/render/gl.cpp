@@ -45,7 +45,8 @@ Texture make_texture() { return generated<Texture>(glGenTextures); }
 Framebuffer make_framebuffer() { return generated<Framebuffer>(glGenFramebuffers); }
 Renderbuffer make_renderbuffer() { return generated<Renderbuffer>(glGenRenderbuffers); }
 
-Program::Program(const std::string& vertex, const std::string& fragment) : program_(glCreateProgram()) {
+Program::Program(const std::string& vertex, const std::string& fragment)
+    : program_(glCreateProgram()) {
   attach(program_.get(), GL_VERTEX_SHADER, vertex);
   attach(program_.get(), GL_FRAGMENT_SHADER, fragment);
   glLinkProgram(program_.get());
@@ -65,7 +66,8 @@ void require_no_error(const char* what) {
   const char* name = error == GL_OUT_OF_MEMORY  ? "out of memory"
                      : error == GL_CONTEXT_LOST ? "the context was lost"
                                                 : "an invalid operation";
-  throw Error(std::string("OpenGL: ") + what + ": " + name + " (error " + std::to_string(error) + ")");
+  throw Error(std::string("OpenGL: ") + what + ": " + name + " (error " + std::to_string(error) +
+              ")");
 }
 
 }  // namespace shadowcut::render

@@ -1,4 +1,5 @@
-// OpenGL objects that end with their owners. All need the context that they were made in to be current, from first to last.
+// OpenGL objects that end with their owners. All need the context that they were made in to be
+// current, from first to last.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -62,8 +63,12 @@ class Program {
   void set(const char* name, float value) const { glUniform1f(at(name), value); }
   void set(const char* name, int value) const { glUniform1i(at(name), value); }
   void set(const char* name, const Vec3f& v) const { glUniform3fv(at(name), 1, v.data()); }
-  void set(const char* name, const Eigen::Vector4f& v) const { glUniform4fv(at(name), 1, v.data()); }
-  void set(const char* name, const Mat4f& m) const { glUniformMatrix4fv(at(name), 1, GL_FALSE, m.data()); }
+  void set(const char* name, const Eigen::Vector4f& v) const {
+    glUniform4fv(at(name), 1, v.data());
+  }
+  void set(const char* name, const Mat4f& m) const {
+    glUniformMatrix4fv(at(name), 1, GL_FALSE, m.data());
+  }
 
  private:
   GLint at(const char* name) const { return glGetUniformLocation(program_.get(), name); }

@@ -1,7 +1,9 @@
-// A scene as OpenGL draws it: the triangles of all facets, flat-shaded in muted colours, and how a light shades them.
+// A scene as OpenGL draws it: the triangles of all facets, flat-shaded in muted colours, and how a
+// light shades them.
 //
-// Coordinates go to the driver as floats, from the scene's middle. A pixel is lit by a light if the eye sees the side that the light sees
-// (of a solid: the outer one), within the light's range and cone, unless a technique says that it is in shadow.
+// Coordinates go to the driver as floats, from the scene's middle. A pixel is lit by a light if the
+// eye sees the side that the light sees (of a solid: the outer one), within the light's range and
+// cone, unless a technique says that it is in shadow.
 #pragma once
 
 #include <array>
@@ -21,7 +23,8 @@ struct Frame {
   Mat4f shifted_clip;    // the same for the model's coordinates
   Vec3f eye;             // in the model's coordinates
 
-  // The near plane's part of the picture, `scale` times as large, in the world; counter-clockwise seen from the eye.
+  // The near plane's part of the picture, `scale` times as large, in the world; counter-clockwise
+  // seen from the eye.
   std::array<Vec3, 4> near_window(double scale) const;
 };
 
@@ -35,12 +38,15 @@ struct Vertex {
   Paint colour;
 };
 
-// A wind that bends everything above `foot` in the vertex shader: what is h above it is carried by sway h^2. Only what techniques make of
-// vertices on the way to the screen follows (Technique::bends).
+// A wind that bends everything above `foot` in the vertex shader: what is h above it is carried by
+// sway h^2. Only what techniques make of vertices on the way to the screen follows
+// (Technique::bends).
 struct Wind {
   Vec3f sway = Vec3f::Zero();  // one over the scene's unit
   float foot = 0;              // z, scene units
-  friend bool operator==(const Wind& a, const Wind& b) { return a.sway == b.sway && a.foot == b.foot; }
+  friend bool operator==(const Wind& a, const Wind& b) {
+    return a.sway == b.sway && a.foot == b.foot;
+  }
 };
 
 // Of all corners of facets; empty where there are none.
@@ -52,7 +58,8 @@ class Model {
  public:
   explicit Model(const Scene& scene);
 
-  // Uploads again what an object's motion changed; another number of facets anywhere makes all anew.
+  // Uploads again what an object's motion changed; another number of facets anywhere makes all
+  // anew.
   void scene_changed(const Scene& scene);
 
   void set_wind(const Wind& wind) { wind_ = wind; }
@@ -69,18 +76,23 @@ class Model {
 
   // Clears, and draws everything in ambient light, with its depths.
   void draw_ambient(const Frame& frame) const;
-  // Adds a light's share, where depths are equal, to the faces that receive; or to those that do not.
+  // Adds a light's share, where depths are equal, to the faces that receive; or to those that do
+  // not.
   void add_light(const Frame& frame, const Light& light, std::size_t lights, bool receivers) const;
-  // Of what is drawn next, only the first at each pixel is kept, until the stencil test is switched off. Clears the stencil buffer.
+  // Of what is drawn next, only the first at each pixel is kept, until the stencil test is switched
+  // off. Clears the stencil buffer.
   static void once_a_pixel();
-  // The program behind that, for other geometry in the model's coordinates. `more` is GLSL put before main(): float reached(vec3 x, vec3
-  // n), the share of the light that comes to a point.
+  // The program behind that, for other geometry in the model's coordinates. `more` is GLSL put
+  // before main(): float reached(vec3 x, vec3 n), the share of the light that comes to a point.
   static std::string lit_vertex_shader();
-  static std::string lit_fragment_shader(const std::string& reached = "float reached(vec3 x, vec3 n) { return 1.0; }");
-  void use_light(const Program& program, const Frame& frame, const Light& light, std::size_t lights) const;
+  static std::string lit_fragment_shader(
+      const std::string& reached = "float reached(vec3 x, vec3 n) { return 1.0; }");
+  void use_light(const Program& program, const Frame& frame, const Light& light,
+                 std::size_t lights) const;
   void draw_triangles(bool receivers) const;
   void draw_casters() const;
-  // Where an object's triangles are in the buffer, facet by facet in the scene's order; and drawing ranges of them.
+  // Where an object's triangles are in the buffer, facet by facet in the scene's order; and drawing
+  // ranges of them.
   struct Range {
     GLint first = 0;
     GLsizei count = 0;
@@ -103,7 +115,8 @@ class Model {
   std::vector<Range> ranges_;  // by object
   std::uint64_t known_ = 0;
   Wind wind_;
-  std::array<GLsizei, 5> ends_{};  // vertices: of faces that receive and cast, only receive, only cast, do neither; first a 0
+  // vertices: of faces that receive and cast, only receive, only cast, do neither; first a 0
+  std::array<GLsizei, 5> ends_{};
   Program ambient_, lit_;
 };
 

@@ -10,7 +10,9 @@
 namespace shadowcut::render {
 namespace {
 
-constexpr const char* no_driver = "OpenGL: there is no driver that draws OpenGL 3.3 without a display (Debian: libgl1-mesa-dri, libegl1)";
+constexpr const char* no_driver =
+    "OpenGL: there is no driver that draws OpenGL 3.3 without a display (Debian: libgl1-mesa-dri, "
+    "libegl1)";
 
 // A display that is no screen: Mesa's surfaceless platform, or else whatever EGL calls its default.
 EGLDisplay display() {
@@ -25,9 +27,11 @@ EGLDisplay display() {
 
 OffscreenContext::OffscreenContext() {
   display_ = display();
-  if (display_ == EGL_NO_DISPLAY || !eglInitialize(display_, nullptr, nullptr)) throw Error(no_driver);
+  if (display_ == EGL_NO_DISPLAY || !eglInitialize(display_, nullptr, nullptr))
+    throw Error(no_driver);
   const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, 0, EGL_NONE};
-  // The first two: a driver that was reset shall say so (GL_CONTEXT_LOST), and not draw on without its memory. Not every driver knows how.
+  // The first two: a driver that was reset shall say so (GL_CONTEXT_LOST), and not draw on without
+  // its memory. Not every driver knows how.
   const EGLint attributes[] = {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY,
                                EGL_LOSE_CONTEXT_ON_RESET,
                                EGL_CONTEXT_MAJOR_VERSION,
@@ -42,9 +46,12 @@ OffscreenContext::OffscreenContext() {
   if (eglBindAPI(EGL_OPENGL_API) && eglChooseConfig(display_, wanted, &config, 1, &count)) {
     if (count == 0) config = nullptr;
     context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, attributes);
-    if (context_ == EGL_NO_CONTEXT) context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, attributes + 2);
+    if (context_ == EGL_NO_CONTEXT)
+      context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, attributes + 2);
   }
-  if (context_ != EGL_NO_CONTEXT && eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) return;
+  if (context_ != EGL_NO_CONTEXT &&
+      eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
+    return;
   if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
   eglTerminate(display_);
   throw Error(no_driver);
@@ -59,7 +66,8 @@ OffscreenContext::~OffscreenContext() {
 void write_png(const std::string& path, const Picture& picture) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(picture.width), image.height = static_cast<png_uint_32>(picture.height);
+  image.width = static_cast<png_uint_32>(picture.width),
+  image.height = static_cast<png_uint_32>(picture.height);
   image.format = PNG_FORMAT_RGBA;
   if (png_image_write_to_file(&image, path.c_str(), 0, picture.rgba.data(), 0, nullptr)) return;
   std::remove(path.c_str());
@@ -70,9 +78,10 @@ Target::Target(int width, int height) : width_(width), height_(height) {
   GLint most = 0;
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
   if (width <= 0 || height <= 0 || width > most || height > most)
-    throw Error("a picture of " + std::to_string(width) + "x" + std::to_string(height) + " pixels cannot be drawn: 1 to " +
-                std::to_string(most) + " a side");
-  framebuffer_ = make_framebuffer(), colour_ = make_renderbuffer(), depth_stencil_ = make_renderbuffer();
+    throw Error("a picture of " + std::to_string(width) + "x" + std::to_string(height) +
+                " pixels cannot be drawn: 1 to " + std::to_string(most) + " a side");
+  framebuffer_ = make_framebuffer(), colour_ = make_renderbuffer(),
+  depth_stencil_ = make_renderbuffer();
   glBindRenderbuffer(GL_RENDERBUFFER, colour_.get());
   glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
   glBindRenderbuffer(GL_RENDERBUFFER, depth_stencil_.get());
@@ -80,7 +89,8 @@ Target::Target(int width, int height) : width_(width), height_(height) {
   require_no_error("a picture of this size");
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_.get());
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth_stencil_.get());
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER,
+                            depth_stencil_.get());
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw Error("OpenGL: this driver cannot draw with 24 bits of depth and 8 of stencil");
 }
@@ -108,7 +118,8 @@ Picture Target::read() const {
   Picture picture{width_, height_, {}};
   picture.rgba.reserve(upward.size());
   for (int y = height_ - 1; y >= 0; --y) {
-    const auto begin = upward.begin() + static_cast<std::ptrdiff_t>(row * static_cast<std::size_t>(y));
+    const auto begin =
+        upward.begin() + static_cast<std::ptrdiff_t>(row * static_cast<std::size_t>(y));
     picture.rgba.insert(picture.rgba.end(), begin, begin + static_cast<std::ptrdiff_t>(row));
   }
   return picture;

@@ -1,5 +1,5 @@
-// OpenGL without a window: an EGL context that needs neither display nor GPU (Mesa's llvmpipe serves where there is none), and a target to
-// draw into.
+// OpenGL without a window: an EGL context that needs neither display nor GPU (Mesa's llvmpipe
+// serves where there is none), and a target to draw into.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@
 
 namespace shadowcut::render {
 
-// An OpenGL 3.3 core context, current on this thread from its making to its end. Throws Error where there is no driver that gives one.
+// An OpenGL 3.3 core context, current on this thread from its making to its end. Throws Error where
+// there is no driver that gives one.
 class OffscreenContext {
  public:
   OffscreenContext();
@@ -28,7 +29,8 @@ struct Picture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;
   const std::uint8_t* at(int x, int y) const {
-    return rgba.data() + 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+    return rgba.data() + 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                              static_cast<std::size_t>(x));
   }
 };
 

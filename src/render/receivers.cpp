@@ -12,7 +12,11 @@ namespace {
 class Divider {
  public:
   Divider(const Scene& scene, const Object& object, const Light& light, double tolerance)
-      : scene_(scene), object_(object), tolerance_(tolerance), facing_(object.facet_count), done_(object.facet_count) {
+      : scene_(scene),
+        object_(object),
+        tolerance_(tolerance),
+        facing_(object.facet_count),
+        done_(object.facet_count) {
     for (std::uint32_t f = 0; f < object.facet_count; ++f) {
       if (facet(f).corner_count == 0) continue;
       const Plane& plane = scene.planes()[facet(f).plane];
@@ -50,7 +54,8 @@ class Divider {
         if (g != f && g != none) use(g);
   }
 
-  // All corners of facet g are behind the front of f's plane turned to the light (side 1), or before it (side -1).
+  // All corners of facet g are behind the front of f's plane turned to the light (side 1), or
+  // before it (side -1).
   bool beside(std::uint32_t f, std::uint32_t g, int side, double tolerance) const {
     const Plane& plane = scene_.planes()[facet(f).plane];
     const auto corners = scene_.corners_of(facet(g));
@@ -59,8 +64,8 @@ class Divider {
     });
   }
 
-  // A closed surface with no reflex edge is convex. Many small tolerances could add up to a large dent, which some corners all over the
-  // surface would then show.
+  // A closed surface with no reflex edge is convex. Many small tolerances could add up to a large
+  // dent, which some corners all over the surface would then show.
   void take_convex_bodies() {
     std::vector<char> seen(object_.facet_count);
     for (std::uint32_t seed = 0; seed < object_.facet_count; ++seed) {
@@ -88,9 +93,11 @@ class Divider {
     return true;
   }
 
-  bool beside_each_other(const std::vector<std::uint32_t>& receiver, std::uint32_t g, int side) const {
+  bool beside_each_other(const std::vector<std::uint32_t>& receiver, std::uint32_t g,
+                         int side) const {
     return std::all_of(receiver.begin(), receiver.end(), [&](std::uint32_t f) {
-      return beside(f, g, side * facing_[f], tolerance_) && beside(g, f, side * facing_[g], tolerance_);
+      return beside(f, g, side * facing_[f], tolerance_) &&
+             beside(g, f, side * facing_[g], tolerance_);
     });
   }
 
@@ -129,7 +136,8 @@ class Divider {
 
 }  // namespace
 
-std::vector<std::vector<std::uint32_t>> receivers_of(const Scene& scene, std::uint32_t object, const Light& light, double tolerance) {
+std::vector<std::vector<std::uint32_t>> receivers_of(const Scene& scene, std::uint32_t object,
+                                                     const Light& light, double tolerance) {
   return Divider(scene, scene.objects()[object], light, tolerance).divide();
 }
 

@@ -1,6 +1,7 @@
-// The depth map that everyone knows: L. Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978. For a point light a cube of
-// six images, for a directional one an image as large as the scene. Against self-shadowing, what is drawn is moved away from the light
-// (glPolygonOffset), and what is looked up off its face.
+// The depth map that everyone knows: L. Williams, "Casting curved shadows on curved surfaces",
+// SIGGRAPH 1978. For a point light a cube of six images, for a directional one an image as large as
+// the scene. Against self-shadowing, what is drawn is moved away from the light (glPolygonOffset),
+// and what is looked up off its face.
 #include "light_projection.hpp"
 #include "technique.hpp"
 
@@ -13,8 +14,8 @@ uniform mat4 clip;
 void main() { gl_Position = clip * vec4(bent(position), 1.0); }
 )";
 
-// The cube map is asked along the ray, with the depth that the ray's face gives: `nearest` / the largest component, as the projection makes
-// it.
+// The cube map is asked along the ray, with the depth that the ray's face gives: `nearest` / the
+// largest component, as the projection makes it.
 const char* const cube_lookup = R"(
 uniform samplerCubeShadow map;
 uniform vec4 place;
@@ -109,14 +110,16 @@ class ShadowMap : public Technique {
     const bool point = light.kind == Light::Kind::point;
     const int side = settings_.side;
     const GLenum kind = point ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D;
-    Map map{make_texture(), Mat4f::Identity(), static_cast<float>(model_.radius() / 512), 2.f / static_cast<float>(side)};
+    Map map{make_texture(), Mat4f::Identity(), static_cast<float>(model_.radius() / 512),
+            2.f / static_cast<float>(side)};
     glBindTexture(kind, map.texture.get());
     for (int face = 0; face < (point ? 6 : 1); ++face)
-      glTexImage2D(point ? GL_TEXTURE_CUBE_MAP_POSITIVE_X + static_cast<GLenum>(face) : kind, 0, GL_DEPTH_COMPONENT32F, side, side, 0,
-                   GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+      glTexImage2D(point ? GL_TEXTURE_CUBE_MAP_POSITIVE_X + static_cast<GLenum>(face) : kind, 0,
+                   GL_DEPTH_COMPONENT32F, side, side, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
     glTexParameteri(kind, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(kind, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) glTexParameteri(kind, axis, GL_CLAMP_TO_EDGE);
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+      glTexParameteri(kind, axis, GL_CLAMP_TO_EDGE);
     glTexParameteri(kind, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     glTexParameteri(kind, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
     if (point) draw_cube(light, map);
@@ -126,13 +129,16 @@ class ShadowMap : public Technique {
 
   void draw_cube(const Light& light, const Map& map) {
     GLenum face = GL_TEXTURE_CUBE_MAP_POSITIVE_X;
-    for (const CubeAxes& axes : cube_axes()) draw_depths(face++, map, cube_face(model_.shifted(light.at), axes, map.nearest));
+    for (const CubeAxes& axes : cube_axes())
+      draw_depths(face++, map, cube_face(model_.shifted(light.at), axes, map.nearest));
   }
 
   void draw_sheet(const Light& light, Map& map) {
-    const Vec3f d = light.at.stableNormalized().cast<float>(), u = d.unitOrthogonal(), v = d.cross(u);
+    const Vec3f d = light.at.stableNormalized().cast<float>(), u = d.unitOrthogonal(),
+                v = d.cross(u);
     const float size = static_cast<float>(model_.radius()) * 1.001f;
-    map.clip.row(0).head<3>() = u / size, map.clip.row(1).head<3>() = v / size, map.clip.row(2).head<3>() = d / size;
+    map.clip.row(0).head<3>() = u / size, map.clip.row(1).head<3>() = v / size,
+    map.clip.row(2).head<3>() = d / size;
     map.texel = 2 * size / static_cast<float>(settings_.side);
     draw_depths(GL_TEXTURE_2D, map, map.clip);
   }
@@ -168,7 +174,8 @@ class ShadowMap : public Technique {
 
 }  // namespace
 
-std::unique_ptr<Technique> make_shadow_map(const Scene& scene, const Model& model, const MapSettings& settings) {
+std::unique_ptr<Technique> make_shadow_map(const Scene& scene, const Model& model,
+                                           const MapSettings& settings) {
   return std::make_unique<ShadowMap>(scene, model, settings);
 }
 

@@ -1,18 +1,21 @@
-// See shadow_texture.hpp. A texture for each receiver says, for every ray from the light through it, whether the receiver is what the ray
-// meets first: the light's view is filled with the shadow colour, and the receiver drawn in the light colour with the SZ-buffer for depth
-// (section 2). After a frame only textures of objects that have moved, and of those that overlap where they were or are, are made again
-// (section 3.2).
+// See shadow_texture.hpp. A texture for each receiver says, for every ray from the light through
+// it, whether the receiver is what the ray meets first: the light's view is filled with the shadow
+// colour, and the receiver drawn in the light colour with the SZ-buffer for depth (section 2).
+// After a frame only textures of objects that have moved, and of those that overlap where they were
+// or are, are made again (section 3.2).
 //
-// Departures. Receivers are parts of objects that cannot shadow themselves (receivers.hpp). The SZ-buffer itself is the depth buffer, not
-// written to, in place of a copy. A texture has the receiver's rectangle of the view, pixel for pixel. The edges of its triangles are drawn
-// too: pixels that the receiver covers but not in their middle would be in shadow.
+// Departures. Receivers are parts of objects that cannot shadow themselves (receivers.hpp). The
+// SZ-buffer itself is the depth buffer, not written to, in place of a copy. A texture has the
+// receiver's rectangle of the view, pixel for pixel. The edges of its triangles are drawn too:
+// pixels that the receiver covers but not in their middle would be in shadow.
 //
-// The texture's pixels are the SZ-buffer's, so that a receiver never shadows itself, whatever its slope. The bias (glPolygonOffset, to the
-// light) is for others that touch it: slope x 0.1 + 4 units; for edges, which are drawn up to half a pixel off, slope x 0.5 + 4 units.
+// The texture's pixels are the SZ-buffer's, so that a receiver never shadows itself, whatever its
+// slope. The bias (glPolygonOffset, to the light) is for others that touch it: slope x 0.1 + 4
+// units; for edges, which are drawn up to half a pixel off, slope x 0.5 + 4 units.
 //
-// The quadratic method: the receiver in the light colour with a depth buffer of its own, then in the shadow colour whatever is nearer. Its
-// textures are the same to the bit, because both ask of each pixel whether the receiver, moved by its bias, is nearer than the nearest
-// caster.
+// The quadratic method: the receiver in the light colour with a depth buffer of its own, then in
+// the shadow colour whatever is nearer. Its textures are the same to the bit, because both ask of
+// each pixel whether the receiver, moved by its bias, is nearer than the nearest caster.
 #include "shadow_texture.hpp"
 
 #include <algorithm>
@@ -95,16 +98,19 @@ ShadowTexture::ShadowTexture(const Scene& scene, const Model& model, const Choic
 void ShadowTexture::update() {
   const KeptBinding kept;
   lights_.resize(scene_.lights().size());
-  mobilities_ = {}, receivers_ = textures_ = made_ = drawn_ = 0, texels_ = buffer_ms_ = textures_ms_ = 0;
+  mobilities_ = {}, receivers_ = textures_ = made_ = drawn_ = 0,
+  texels_ = buffer_ms_ = textures_ms_ = 0;
   for (std::size_t k = 0; k < lights_.size(); ++k) {
     if (scene_.light_id(k).index == none) lights_[k].reset();
     else update_light(k);
   }
   const auto number = [](std::size_t n) { return static_cast<double>(n); };
-  figures_ = {
-      {"receivers", number(receivers_)}, {"textures", number(textures_)}, {"textures_made", number(made_)}, {"texels", texels_},
-      {"ss", number(mobilities_[0])},    {"sd", number(mobilities_[1])},  {"ds", number(mobilities_[2])},   {"dd", number(mobilities_[3])},
-      {"objects_drawn", number(drawn_)}, {"buffer_ms", buffer_ms_},       {"textures_ms", textures_ms_}};
+  figures_ = {{"receivers", number(receivers_)}, {"textures", number(textures_)},
+              {"textures_made", number(made_)},  {"texels", texels_},
+              {"ss", number(mobilities_[0])},    {"sd", number(mobilities_[1])},
+              {"ds", number(mobilities_[2])},    {"dd", number(mobilities_[3])},
+              {"objects_drawn", number(drawn_)}, {"buffer_ms", buffer_ms_},
+              {"textures_ms", textures_ms_}};
 }
 
 void ShadowTexture::update_light(std::size_t k) {
@@ -133,11 +139,14 @@ void ShadowTexture::update_textures(Lit& lit, const Light& light) {
     if (anew) lit.receivers[object] = find_receivers(lit, light, object);
     for (const Receiver& receiver : lit.receivers[object])
       for (const Image& image : receiver.images)
-        if (all || anew || views.disturbed(image.view, image.extent)) make_texture_of(lit, object, receiver, image);
+        if (all || anew || views.disturbed(image.view, image.extent))
+          make_texture_of(lit, object, receiver, image);
   }
 }
 
-std::vector<ShadowTexture::Receiver> ShadowTexture::find_receivers(const Lit& lit, const Light& light, std::uint32_t index) const {
+std::vector<ShadowTexture::Receiver> ShadowTexture::find_receivers(const Lit& lit,
+                                                                   const Light& light,
+                                                                   std::uint32_t index) const {
   const Object& object = scene_.objects()[index];
   if (!object.alive || !object.receives) return {};
   std::vector<GLint> firsts;  // by facet of the object
@@ -152,7 +161,8 @@ std::vector<ShadowTexture::Receiver> ShadowTexture::find_receivers(const Lit& li
     Receiver& receiver = receivers.emplace_back();
     for (const std::uint32_t f : facets) {
       const std::size_t k = f - object.first_facet;
-      const bool follows = !receiver.firsts.empty() && receiver.firsts.back() + receiver.counts.back() == firsts[k];
+      const bool follows =
+          !receiver.firsts.empty() && receiver.firsts.back() + receiver.counts.back() == firsts[k];
       if (!follows) receiver.firsts.push_back(firsts[k]), receiver.counts.push_back(0);
       receiver.counts.back() += firsts[k + 1] - firsts[k];
     }
@@ -165,7 +175,8 @@ std::vector<ShadowTexture::Receiver> ShadowTexture::find_receivers(const Lit& li
   return receivers;
 }
 
-void ShadowTexture::make_texture_of(const Lit& lit, std::uint32_t object, const Receiver& receiver, const Image& image) {
+void ShadowTexture::make_texture_of(const Lit& lit, std::uint32_t object, const Receiver& receiver,
+                                    const Image& image) {
   const bool quadratic = choices_.method == Method::quadratic;
   const GLuint depths = quadratic ? depths_.get() : lit.buffer.depths(image.view);
   const Rectangle& r = image.extent;
@@ -226,11 +237,13 @@ void ShadowTexture::draw_nearer_casters(const LightViews& views, const Image& im
 
 void ShadowTexture::count(const Lit& lit) {
   for (std::uint32_t object = 0; object < lit.views.object_count(); ++object) {
-    if (scene_.objects()[object].alive) ++mobilities_[static_cast<std::size_t>(lit.views.mobility(object))];
+    if (scene_.objects()[object].alive)
+      ++mobilities_[static_cast<std::size_t>(lit.views.mobility(object))];
     receivers_ += lit.receivers[object].size();
     for (const Receiver& receiver : lit.receivers[object]) {
       textures_ += receiver.images.size();
-      for (const Image& image : receiver.images) texels_ += static_cast<double>(image.extent.width()) * image.extent.height();
+      for (const Image& image : receiver.images)
+        texels_ += static_cast<double>(image.extent.width()) * image.extent.height();
     }
   }
 }
@@ -255,8 +268,9 @@ void ShadowTexture::add_light(const Frame& frame, std::size_t k) {
         const Rectangle& r = image.extent;
         lit_.set("view_clip", lit.views.clip(image.view));
         lit_.set("face", point ? static_cast<int>(image.view) : -1);
-        lit_.set("extent", Eigen::Vector4f(static_cast<float>(r.x0), static_cast<float>(r.y0), static_cast<float>(r.width()),
-                                           static_cast<float>(r.height())));
+        lit_.set("extent",
+                 Eigen::Vector4f(static_cast<float>(r.x0), static_cast<float>(r.y0),
+                                 static_cast<float>(r.width()), static_cast<float>(r.height())));
         glBindTexture(GL_TEXTURE_2D, image.texture.get());
         draw_receiver(object, receiver);
       }
@@ -272,7 +286,8 @@ std::vector<ShadowTexture::Texels> ShadowTexture::texels(std::size_t light) cons
     for (std::size_t k = 0; k < lit.receivers[object].size(); ++k)
       for (const Image& image : lit.receivers[object][k].images) {
         Texels& texels = all.emplace_back(Texels{object, k, image.view, image.extent, {}});
-        texels.values.resize(static_cast<std::size_t>(image.extent.width()) * static_cast<std::size_t>(image.extent.height()));
+        texels.values.resize(static_cast<std::size_t>(image.extent.width()) *
+                             static_cast<std::size_t>(image.extent.height()));
         glBindTexture(GL_TEXTURE_2D, image.texture.get());
         glGetTexImage(GL_TEXTURE_2D, 0, GL_RED, GL_UNSIGNED_BYTE, texels.values.data());
       }

@@ -1,5 +1,6 @@
-// The technique shadow-texture: K.-S. Oh, B.-S. Shin, "An efficient method for dynamic shadow texture generation", IEICE Trans. Inf. &
-// Syst. E88-D(3), 2005. Its own header, for the choices that its authors compare.
+// The technique shadow-texture: K.-S. Oh, B.-S. Shin, "An efficient method for dynamic shadow
+// texture generation", IEICE Trans. Inf. & Syst. E88-D(3), 2005. Its own header, for the choices
+// that its authors compare.
 #pragma once
 
 #include "sz_buffer.hpp"
@@ -15,15 +16,17 @@ class ShadowTexture : public Technique {
   };
   struct Choices {
     Method method = Method::sz_buffer;
-    bool coherence = true;  // section 3; without it every buffer and texture is made anew in every frame
-    int side = 2048;        // pixels of a light's view
+    // section 3; without it every buffer and texture is made anew in every frame
+    bool coherence = true;
+    int side = 2048;  // pixels of a light's view
   };
 
   ShadowTexture(const Scene& scene, const Model& model, const Choices& choices);
 
   void update() override;
   void add_light(const Frame& frame, std::size_t light) override;
-  // receivers: of all lights; textures: that they have; textures_made: in the frame; ss, sd, ds, dd: objects, of all lights.
+  // receivers: of all lights; textures: that they have; textures_made: in the frame; ss, sd, ds,
+  // dd: objects, of all lights.
   Figures figures() const override { return figures_; }
 
   // The textures as they are, for tests.
@@ -50,7 +53,8 @@ class ShadowTexture : public Technique {
     std::vector<Image> images;
   };
   struct Lit {
-    Lit(const Scene& scene, const Model& model, std::size_t light, int side) : views(scene, model, light, side), buffer(model, views) {}
+    Lit(const Scene& scene, const Model& model, std::size_t light, int side)
+        : views(scene, model, light, side), buffer(model, views) {}
     LightViews views;
     SzBuffer buffer;
     std::vector<std::vector<Receiver>> receivers;  // by object
@@ -58,8 +62,10 @@ class ShadowTexture : public Technique {
 
   void update_light(std::size_t light);
   void update_textures(Lit& lit, const Light& light);
-  std::vector<Receiver> find_receivers(const Lit& lit, const Light& light, std::uint32_t object) const;
-  void make_texture_of(const Lit& lit, std::uint32_t object, const Receiver& receiver, const Image& image);
+  std::vector<Receiver> find_receivers(const Lit& lit, const Light& light,
+                                       std::uint32_t object) const;
+  void make_texture_of(const Lit& lit, std::uint32_t object, const Receiver& receiver,
+                       const Image& image);
   void draw_receiver(std::uint32_t object, const Receiver& receiver) const;
   void draw_biased(std::uint32_t object, const Receiver& receiver) const;
   void draw_nearer_casters(const LightViews& views, const Image& image);

@@ -1,15 +1,18 @@
-// Shadow volumes without silhouettes, for any mesh: I. Kolic, Z. Mihajlovic, L. Budin, "Stencil shadow volumes for complex and deformable
-// objects", ITI 2004. A mesh that the vertex shader deforms has its shadow with it, as the volume goes the same way. Every triangle casts,
-// whichever way it faces, and its volume is drawn like any other mesh: six triangles of sides and the triangle itself, pushed away from the
-// light in the vertex shader. One stencil state serves fronts and backs (section 3.2): INVERT where the depth test fails, INCR where it
-// passes, under the write mask 1101b, so that the second bit never comes to be; a pixel once marked 1100b, both a pass and a failure, is
-// left alone.
+// Shadow volumes without silhouettes, for any mesh: I. Kolic, Z. Mihajlovic, L. Budin, "Stencil
+// shadow volumes for complex and deformable objects", ITI 2004. A mesh that the vertex shader
+// deforms has its shadow with it, as the volume goes the same way. Every triangle casts, whichever
+// way it faces, and its volume is drawn like any other mesh: six triangles of sides and the
+// triangle itself, pushed away from the light in the vertex shader. One stencil state serves fronts
+// and backs (section 3.2): INVERT where the depth test fails, INCR where it passes, under the write
+// mask 1101b, so that the second bit never comes to be; a pixel once marked 1100b, both a pass and
+// a failure, is left alone.
 //
-// Departures. Sides end at infinity, and an eighth triangle closes the volume there: without it a ray of the eye that hits a surface before
-// or within a volume and never leaves it fails the depth test once, not twice, and what that leaves in the stencil buffer makes a shadow of
-// the next volume in front, which two sides should have left as it was. Section 3.2's mask is also the mask of the comparison. Nothing is
-// said of a camera within a volume: only one side of it is then seen, and what lies in it comes out wrong (tests/render_test.cpp has the
-// case).
+// Departures. Sides end at infinity, and an eighth triangle closes the volume there: without it a
+// ray of the eye that hits a surface before or within a volume and never leaves it fails the depth
+// test once, not twice, and what that leaves in the stencil buffer makes a shadow of the next
+// volume in front, which two sides should have left as it was. Section 3.2's mask is also the mask
+// of the comparison. Nothing is said of a camera within a volume: only one side of it is then seen,
+// and what lies in it comes out wrong (tests/render_test.cpp has the case).
 #include "technique.hpp"
 
 namespace shadowcut::render {
@@ -54,23 +57,28 @@ class Kolic : public Technique {
     known_ = scene_.revision();
     std::vector<VolumeVertex> vertices;
     for (const Facet& facet : scene_.facets()) {
-      if (facet.corner_count == 0 || !scene_.objects()[scene_.faces()[facet.face].object].casts) continue;
+      if (facet.corner_count == 0 || !scene_.objects()[scene_.faces()[facet.face].object].casts)
+        continue;
       const auto corners = scene_.corners_of(facet);
-      for (std::size_t i = 2; i < corners.size(); ++i) add_volume(vertices, {corners[0].vertex, corners[i - 1].vertex, corners[i].vertex});
+      for (std::size_t i = 2; i < corners.size(); ++i)
+        add_volume(vertices, {corners[0].vertex, corners[i - 1].vertex, corners[i].vertex});
     }
     count_ = static_cast<GLsizei>(vertices.size());
     glBindBuffer(GL_ARRAY_BUFFER, buffer_.get());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(VolumeVertex)), vertices.data(), GL_STATIC_DRAW);
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(VolumeVertex)),
+                 vertices.data(), GL_STATIC_DRAW);
     require_no_error("uploading shadow volumes");
   }
 
   void add_light(const Frame& frame, std::size_t k) override {
     const Light& light = scene_.lights()[k];
     const bool point = light.kind == Light::Kind::point;
-    const Vec3f at = point ? model_.shifted(light.at) : light.at.stableNormalized().cast<float>().eval();
+    const Vec3f at =
+        point ? model_.shifted(light.at) : light.at.stableNormalized().cast<float>().eval();
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glDepthMask(GL_FALSE);
-    glDepthFunc(GL_LESS);  // the triangle fails on itself, and so takes back what its volume did there
+    // the triangle fails on itself, and so takes back what its volume did there
+    glDepthFunc(GL_LESS);
     glEnable(GL_DEPTH_CLAMP);
     glEnable(GL_STENCIL_TEST);
     glStencilMask(0xFF);
@@ -96,7 +104,8 @@ class Kolic : public Technique {
   bool bends() const override { return true; }
 
  private:
-  void add_volume(std::vector<VolumeVertex>& vertices, const std::array<std::uint32_t, 3>& triangle) const {
+  void add_volume(std::vector<VolumeVertex>& vertices,
+                  const std::array<std::uint32_t, 3>& triangle) const {
     const auto add = [&](std::size_t k, float pushed) {
       const Vec3f p = model_.shifted(scene_.vertices()[triangle[k]]);
       vertices.push_back({{p.x(), p.y(), p.z()}, pushed});
@@ -121,6 +130,8 @@ class Kolic : public Technique {
 
 }  // namespace
 
-std::unique_ptr<Technique> make_stencil_kolic(const Scene& scene, const Model& model) { return std::make_unique<Kolic>(scene, model); }
+std::unique_ptr<Technique> make_stencil_kolic(const Scene& scene, const Model& model) {
+  return std::make_unique<Kolic>(scene, model);
+}
 
 }  // namespace shadowcut::render

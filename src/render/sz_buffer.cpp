@@ -10,10 +10,13 @@ namespace shadowcut::render {
 namespace {
 
 using Point = Eigen::Vector4d;  // in clip space
-constexpr int margin = 2;       // pixels around an extent: for the driver's rounding, and lines drawn along rims
+// pixels around an extent: for the driver's rounding, and lines drawn along rims
+constexpr int margin = 2;
 
 // A point is in the view where all of these are not negative.
-std::array<double, 5> heights(const Point& p) { return {p.w() + p.z(), p.w() + p.x(), p.w() - p.x(), p.w() + p.y(), p.w() - p.y()}; }
+std::array<double, 5> heights(const Point& p) {
+  return {p.w() + p.z(), p.w() + p.x(), p.w() - p.x(), p.w() + p.y(), p.w() - p.y()};
+}
 
 unsigned outside(const Point& p) {
   const auto h = heights(p);
@@ -42,8 +45,12 @@ struct Bounds {
   void add(const Point& p) { box.extend(Eigen::Vector2d(p.head<2>() / p.w())); }
   Rectangle pixels(int side) const {
     if (box.isEmpty()) return {};
-    const auto low = [side](double x) { return std::clamp(static_cast<int>(std::floor((x + 1) / 2 * side)) - margin, 0, side); };
-    const auto high = [side](double x) { return std::clamp(static_cast<int>(std::ceil((x + 1) / 2 * side)) + margin, 0, side); };
+    const auto low = [side](double x) {
+      return std::clamp(static_cast<int>(std::floor((x + 1) / 2 * side)) - margin, 0, side);
+    };
+    const auto high = [side](double x) {
+      return std::clamp(static_cast<int>(std::ceil((x + 1) / 2 * side)) + margin, 0, side);
+    };
     return {low(box.min().x()), low(box.min().y()), high(box.max().x()), high(box.max().y())};
   }
 };
@@ -76,7 +83,8 @@ void copy_depths(const Framebuffer& from, const Framebuffer& to, const Rectangle
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &before);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, from.get());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to.get());
-  glBlitFramebuffer(r.x0, r.y0, r.x1, r.y1, r.x0, r.y0, r.x1, r.y1, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  glBlitFramebuffer(r.x0, r.y0, r.x1, r.y1, r.x0, r.y0, r.x1, r.y1, GL_DEPTH_BUFFER_BIT,
+                    GL_NEAREST);
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(before));
 }
 
@@ -97,7 +105,8 @@ Rectangle united(const Rectangle& a, const Rectangle& b) {
 Texture make_depths(int side) {
   Texture texture = make_texture();
   glBindTexture(GL_TEXTURE_2D, texture.get());
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, side, side, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, side, side, 0, GL_DEPTH_COMPONENT, GL_FLOAT,
+               nullptr);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   return texture;
@@ -119,20 +128,24 @@ KeptBinding::~KeptBinding() {
 bool LightViews::aim() {
   const Light& light = scene_.lights()[light_];
   if (!clips_.empty() && light_known_ == scene_.light_revision(light_) &&
-      std::all_of(moving_.begin(), moving_.end(), [this](std::uint32_t object) { return covers(object); }))
+      std::all_of(moving_.begin(), moving_.end(),
+                  [this](std::uint32_t object) { return covers(object); }))
     return false;
   light_known_ = scene_.light_revision(light_);
   clips_.clear();
   if (light.kind == Light::Kind::point) {
     for (const auto& axes : cube_axes())
-      clips_.push_back(cube_face(model_.shifted(light.at), axes, static_cast<float>(model_.radius() / 512)));
+      clips_.push_back(
+          cube_face(model_.shifted(light.at), axes, static_cast<float>(model_.radius() / 512)));
     return true;
   }
   const Eigen::Matrix3f axes = sheet_axes(light);
   double farthest = model_.radius();
   for (std::uint32_t object = 0; object < scene_.objects().size(); ++object)
     for_each_corner(scene_, object, [&](std::uint32_t v) {
-      farthest = std::max(farthest, static_cast<double>((axes * model_.shifted(scene_.vertices()[v])).cwiseAbs().maxCoeff()));
+      farthest = std::max(
+          farthest,
+          static_cast<double>((axes * model_.shifted(scene_.vertices()[v])).cwiseAbs().maxCoeff()));
     });
   // Room to move in, once the scene has left the sphere in which it began.
   reach_ = farthest * (farthest > model_.radius() ? 1.25 : 1.001);
@@ -159,7 +172,8 @@ void LightViews::advance() {
   if (afresh_) return start();
   now_.resize(scene_.objects().size());
   mobility_.resize(scene_.objects().size(), Mobility::ss);
-  for (Mobility& m : mobility_) m = m == Mobility::sd || m == Mobility::dd ? Mobility::ds : Mobility::ss;
+  for (Mobility& m : mobility_)
+    m = m == Mobility::sd || m == Mobility::dd ? Mobility::ds : Mobility::ss;
   for (const std::uint32_t object : moving_) {
     Mobility& m = mobility_[object];
     m = m == Mobility::ds ? Mobility::dd : Mobility::sd;
@@ -173,12 +187,14 @@ void LightViews::start() {
   moving_.clear();
   mobility_.assign(scene_.objects().size(), Mobility::ss);
   now_.clear();
-  for (std::uint32_t object = 0; object < scene_.objects().size(); ++object) now_.push_back(look_at(object));
+  for (std::uint32_t object = 0; object < scene_.objects().size(); ++object)
+    now_.push_back(look_at(object));
 }
 
 bool LightViews::disturbed(std::size_t view, const Rectangle& pixels) const {
   return std::any_of(moving_.begin(), moving_.end(), [&](std::uint32_t object) {
-    return extent_before(view, object).overlaps(pixels) || (casts(object) && extent(view, object).overlaps(pixels));
+    return extent_before(view, object).overlaps(pixels) ||
+           (casts(object) && extent(view, object).overlaps(pixels));
   });
 }
 
@@ -187,17 +203,21 @@ LightViews::Seen LightViews::look_at(std::uint32_t index) const {
   Seen seen{object.alive && object.casts, {}};
   std::vector<std::uint32_t> facets(object.facet_count);
   for (std::uint32_t k = 0; k < object.facet_count; ++k) facets[k] = object.first_facet + k;
-  for (std::size_t view = 0; view < clips_.size(); ++view) seen.extents[view] = extent(view, index, facets);
+  for (std::size_t view = 0; view < clips_.size(); ++view)
+    seen.extents[view] = extent(view, index, facets);
   return seen;
 }
 
-Rectangle LightViews::extent(std::size_t view, std::uint32_t index, std::span<const std::uint32_t> facets) const {
+Rectangle LightViews::extent(std::size_t view, std::uint32_t index,
+                             std::span<const std::uint32_t> facets) const {
   const Object& object = scene_.objects()[index];
   const Eigen::Matrix4d clip = clips_[view].cast<double>();
   std::vector<Point> points(object.vertex_count);
   std::vector<unsigned> codes(object.vertex_count);
   for (std::uint32_t k = 0; k < object.vertex_count; ++k) {
-    points[k] = clip * model_.shifted(scene_.vertices()[object.first_vertex + k]).cast<double>().homogeneous();
+    points[k] =
+        clip *
+        model_.shifted(scene_.vertices()[object.first_vertex + k]).cast<double>().homogeneous();
     codes[k] = outside(points[k]);
   }
   Bounds bounds;
@@ -235,7 +255,8 @@ SzBuffer::SzBuffer(const Model& model, const LightViews& views)
 void SzBuffer::make_layers() {
   if (layers_.size() == views_.size()) return;
   layers_.clear();
-  for (std::size_t view = 0; view < views_.size(); ++view) layers_.push_back({make_depths(views_.side()), make_depths(views_.side())});
+  for (std::size_t view = 0; view < views_.size(); ++view)
+    layers_.push_back({make_depths(views_.side()), make_depths(views_.side())});
   require_no_error("making a light's depth buffers");
 }
 
@@ -283,7 +304,9 @@ void SzBuffer::begin(std::size_t view) const {
   attach_depths(standing_, layers_[view].standing);
   glBindFramebuffer(GL_FRAMEBUFFER, rendering_.get());
   glViewport(0, 0, views_.side(), views_.side());
-  for (const GLenum off : {GL_BLEND, GL_STENCIL_TEST, GL_CULL_FACE, GL_POLYGON_OFFSET_FILL, GL_SCISSOR_TEST}) glDisable(off);
+  for (const GLenum off :
+       {GL_BLEND, GL_STENCIL_TEST, GL_CULL_FACE, GL_POLYGON_OFFSET_FILL, GL_SCISSOR_TEST})
+    glDisable(off);
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
@@ -292,11 +315,13 @@ void SzBuffer::begin(std::size_t view) const {
   depth_.set("clip", views_.clip(view));
 }
 
-// Substeps (1-1) and (1-2): what moves is erased where it was. The static buffer has what stood behind those that already moved, but it
-// has those that begin to move too, and what was behind these nobody knows.
+// Substeps (1-1) and (1-2): what moves is erased where it was. The static buffer has what stood
+// behind those that already moved, but it has those that begin to move too, and what was behind
+// these nobody knows.
 void SzBuffer::erase(std::size_t view) const {
   for (const std::uint32_t object : views_.moving())
-    if (const Rectangle& r = views_.extent_before(view, object); views_.mobility(object) == Mobility::dd && !r.empty())
+    if (const Rectangle& r = views_.extent_before(view, object);
+        views_.mobility(object) == Mobility::dd && !r.empty())
       copy_depths(standing_, rendering_, r);
   glEnable(GL_SCISSOR_TEST);
   for (const std::uint32_t object : views_.moving()) {
@@ -308,8 +333,8 @@ void SzBuffer::erase(std::size_t view) const {
   glDisable(GL_SCISSOR_TEST);
 }
 
-// Substeps (1-3) and (1-4): what stands still is drawn again where it was erased. Objects that have come to rest are not in the static
-// buffer yet, so that copying it erased them too.
+// Substeps (1-3) and (1-4): what stands still is drawn again where it was erased. Objects that have
+// come to rest are not in the static buffer yet, so that copying it erased them too.
 void SzBuffer::draw_uncovered(std::size_t view) {
   glEnable(GL_SCISSOR_TEST);
   for (std::uint32_t object = 0; object < views_.object_count(); ++object) {
@@ -331,10 +356,12 @@ void SzBuffer::draw_uncovered(std::size_t view) {
 // Stage (2): the rendering buffer has just what stands still.
 void SzBuffer::keep_static(std::size_t view) const {
   for (const std::uint32_t object : views_.moving())
-    if (const Rectangle& r = views_.extent_before(view, object); views_.mobility(object) == Mobility::sd && !r.empty())
+    if (const Rectangle& r = views_.extent_before(view, object);
+        views_.mobility(object) == Mobility::sd && !r.empty())
       copy_depths(rendering_, standing_, r);
   for (std::uint32_t object = 0; object < views_.object_count(); ++object)
-    if (const Rectangle& r = views_.extent(view, object); views_.mobility(object) == Mobility::ds && views_.casts(object) && !r.empty())
+    if (const Rectangle& r = views_.extent(view, object);
+        views_.mobility(object) == Mobility::ds && views_.casts(object) && !r.empty())
       copy_depths(rendering_, standing_, r);
 }
 

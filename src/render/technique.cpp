@@ -4,8 +4,9 @@
 namespace shadowcut::render {
 
 const std::vector<std::string>& technique_names() {
-  static const std::vector<std::string> names{"fragments",     "stencil-standard", "stencil-zfail", "stencil-hybrid",
-                                              "stencil-kolic", "shadow-texture",   "shadow-map"};
+  static const std::vector<std::string> names{
+      "fragments",     "stencil-standard", "stencil-zfail", "stencil-hybrid",
+      "stencil-kolic", "shadow-texture",   "shadow-map"};
   return names;
 }
 
@@ -24,12 +25,14 @@ void check_side(int side) {
   GLint largest = 0;
   glGetIntegerv(GL_MAX_CUBE_MAP_TEXTURE_SIZE, &largest);
   if (side >= 1 && side <= largest) return;
-  throw Error("a shadow map of " + std::to_string(side) + " pixels a side: this driver has them from 1 to " + std::to_string(largest));
+  throw Error("a shadow map of " + std::to_string(side) +
+              " pixels a side: this driver has them from 1 to " + std::to_string(largest));
 }
 
 }  // namespace
 
-std::unique_ptr<Technique> make_technique(const std::string& name, const Scene& scene, const Model& model, const MapSettings& map) {
+std::unique_ptr<Technique> make_technique(const std::string& name, const Scene& scene,
+                                          const Model& model, const MapSettings& map) {
   check_technique(name);
   check_side(map.side);
   if (name == "fragments") return make_fragments(scene, model);

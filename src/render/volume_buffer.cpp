@@ -18,7 +18,10 @@ void main() { gl_Position = clip * position; }
 }  // namespace
 
 VolumeBuffer::VolumeBuffer(const Model& model)
-    : model_(model), program_(volume_vertex_shader, "void main() {}"), buffer_(make_buffer()), array_(make_vertex_array()) {
+    : model_(model),
+      program_(volume_vertex_shader, "void main() {}"),
+      buffer_(make_buffer()),
+      array_(make_vertex_array()) {
   glBindVertexArray(array_.get());
   glBindBuffer(GL_ARRAY_BUFFER, buffer_.get());
   glEnableVertexAttribArray(0);
@@ -37,8 +40,9 @@ VolumeBuffer::Point VolumeBuffer::direction(const Light& light, const Vec3& x) {
   return {d.x(), d.y(), d.z(), 0};
 }
 
-// The four points are floats, and in no plane. So that where two polygons meet in an edge their sides take each other away in every pixel,
-// they are the same two triangles, one pair turned round.
+// The four points are floats, and in no plane. So that where two polygons meet in an edge their
+// sides take each other away in every pixel, they are the same two triangles, one pair turned
+// round.
 void VolumeBuffer::add_side(const Light& light, const Vec3& from, const Vec3& to) {
   const bool turned = std::lexicographical_compare(to.begin(), to.end(), from.begin(), from.end());
   const Vec3 &a = turned ? to : from, &b = turned ? from : to;
@@ -49,23 +53,29 @@ void VolumeBuffer::add_side(const Light& light, const Vec3& from, const Vec3& to
   };
   const Point near_b = point(b), far_a = direction(light, a);
   add(point(a), far_a, near_b);
-  if (light.kind == Light::Kind::point) add(near_b, far_a, direction(light, b));  // else the far ends are one
+  // else the far ends are one
+  if (light.kind == Light::Kind::point) add(near_b, far_a, direction(light, b));
 }
 
 void VolumeBuffer::add_ends(const Light& light, std::span<const Vec3> polygon) {
   for (std::size_t i = 2; i < polygon.size(); ++i) {
     const Vec3 &a = polygon[0], &b = polygon[i - 1], &c = polygon[i];
     volumes_.insert(volumes_.end(), {point(a), point(b), point(c)});
-    if (light.kind == Light::Kind::point) volumes_.insert(volumes_.end(), {direction(light, a), direction(light, c), direction(light, b)});
+    if (light.kind == Light::Kind::point)
+      volumes_.insert(volumes_.end(),
+                      {direction(light, a), direction(light, c), direction(light, b)});
   }
 }
 
 void VolumeBuffer::add_cap(std::span<const Vec3> polygon) {
-  for (std::size_t i = 2; i < polygon.size(); ++i) caps_.insert(caps_.end(), {point(polygon[0]), point(polygon[i - 1]), point(polygon[i])});
+  for (std::size_t i = 2; i < polygon.size(); ++i)
+    caps_.insert(caps_.end(), {point(polygon[0]), point(polygon[i - 1]), point(polygon[i])});
 }
 
 void VolumeBuffer::upload() {
-  const auto bytes = [](const std::vector<Point>& points) { return static_cast<GLsizeiptr>(points.size() * sizeof(Point)); };
+  const auto bytes = [](const std::vector<Point>& points) {
+    return static_cast<GLsizeiptr>(points.size() * sizeof(Point));
+  };
   glBindBuffer(GL_ARRAY_BUFFER, buffer_.get());
   glBufferData(GL_ARRAY_BUFFER, bytes(volumes_) + bytes(caps_), nullptr, GL_DYNAMIC_DRAW);
   glBufferSubData(GL_ARRAY_BUFFER, 0, bytes(volumes_), volumes_.data());
@@ -98,8 +108,10 @@ void VolumeBuffer::count_passes(const Frame& frame) const {
   glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
   glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
   glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(volumes_.size()));
-  glEnable(GL_DEPTH_CLAMP);  // a cap lies on the near plane, and may not be clipped away by rounding
-  glDrawArrays(GL_TRIANGLES, static_cast<GLint>(volumes_.size()), static_cast<GLsizei>(caps_.size()));
+  // a cap lies on the near plane, and may not be clipped away by rounding
+  glEnable(GL_DEPTH_CLAMP);
+  glDrawArrays(GL_TRIANGLES, static_cast<GLint>(volumes_.size()),
+               static_cast<GLsizei>(caps_.size()));
   end();
 }
 

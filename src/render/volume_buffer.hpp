@@ -1,4 +1,5 @@
-// Shadow volumes as triangles, their outsides counter-clockwise, and how they are counted in the stencil buffer. Sides end at infinity.
+// Shadow volumes as triangles, their outsides counter-clockwise, and how they are counted in the
+// stencil buffer. Sides end at infinity.
 #pragma once
 
 #include <span>
@@ -21,8 +22,8 @@ class VolumeBuffer {
   void add_cap(std::span<const Vec3> polygon);
   void upload();
 
-  // Clears the stencil buffer, counts volumes where they pass the depth test (caps too), or fail it, and leaves the stencil test set to
-  // draw where none is left: in the light.
+  // Clears the stencil buffer, counts volumes where they pass the depth test (caps too), or fail
+  // it, and leaves the stencil test set to draw where none is left: in the light.
   void count_passes(const Frame& frame) const;
   void count_failures(const Frame& frame) const;
 

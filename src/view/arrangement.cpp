@@ -13,7 +13,8 @@ void require(Edit edit) {
 
 template <class Things, class Id>
 auto& named(Things& things, const Id& id) {
-  const auto place = std::find_if(things.begin(), things.end(), [&](const auto& thing) { return thing.id == id; });
+  const auto place =
+      std::find_if(things.begin(), things.end(), [&](const auto& thing) { return thing.id == id; });
   if (place == things.end()) throw Error("the scene was changed behind the window's back");
   return *place;
 }
@@ -22,14 +23,20 @@ auto& named(Things& things, const Id& id) {
 
 Arrangement::Arrangement(Scene& scene) : scene_(scene) {
   for (std::size_t k = 0; k < scene.objects().size(); ++k)
-    if (scene.objects()[k].alive) things_.push_back({scene.object_id(k), scene.objects()[k].pose, {}});
+    if (scene.objects()[k].alive)
+      things_.push_back({scene.object_id(k), scene.objects()[k].pose, {}});
   for (std::size_t k = 0; k < scene.lights().size(); ++k)
-    if (scene.light_id(k).index != none) lamps_.push_back({scene.light_id(k), scene.lights()[k], scene.lights()[k]});
+    if (scene.light_id(k).index != none)
+      lamps_.push_back({scene.light_id(k), scene.lights()[k], scene.lights()[k]});
 }
 
-void Arrangement::set_pose(std::uint32_t object, const Pose& pose) { require(scene_.set_pose(scene_.object_id(object), pose)); }
+void Arrangement::set_pose(std::uint32_t object, const Pose& pose) {
+  require(scene_.set_pose(scene_.object_id(object), pose));
+}
 
-void Arrangement::set_light(std::uint32_t light, const Light& to) { require(scene_.set_light(scene_.light_id(light), to)); }
+void Arrangement::set_light(std::uint32_t light, const Light& to) {
+  require(scene_.set_light(scene_.light_id(light), to));
+}
 
 void Arrangement::remove(bool is_light, std::uint32_t index) {
   if (is_light) {
@@ -65,7 +72,8 @@ std::string Arrangement::bring_back() {
 void Arrangement::reset() {
   while (!away_.empty()) bring_back();
   for (const Thing& thing : things_)
-    if (scene_.find(thing.id)->pose.matrix() != thing.home.matrix()) require(scene_.set_pose(thing.id, thing.home));
+    if (scene_.find(thing.id)->pose.matrix() != thing.home.matrix())
+      require(scene_.set_pose(thing.id, thing.home));
   for (const Lamp& lamp : lamps_)
     if (scene_.find(lamp.id)->at != lamp.home.at) require(scene_.set_light(lamp.id, lamp.home));
 }

@@ -6,7 +6,8 @@
 namespace shadowcut::view {
 namespace {
 
-// Drawn `nearer` to the eye, as a share of the distance: at the same pixels, in front of the faces they lie on.
+// Drawn `nearer` to the eye, as a share of the distance: at the same pixels, in front of the faces
+// they lie on.
 const char* const vertex_shader = R"(
 layout(location = 0) in vec3 position;
 layout(location = 2) in vec4 colour;
@@ -32,7 +33,9 @@ using Colour = std::array<std::uint8_t, 3>;
 // Neighbours in number are far apart in hue.
 Colour colour_of_cell(std::uint32_t cell) {
   const double turn = 2.399963229728653 * cell;  // the golden angle
-  const auto channel = [&](double phase) { return static_cast<std::uint8_t>(140 + 110 * std::cos(turn + phase)); };
+  const auto channel = [&](double phase) {
+    return static_cast<std::uint8_t>(140 + 110 * std::cos(turn + phase));
+  };
   return {channel(0), channel(-2.0943951), channel(2.0943951)};
 }
 
@@ -48,7 +51,8 @@ FragmentMarks::FragmentMarks() : program_(vertex_shader, fragment_shader) {}
 void FragmentMarks::Shape::upload(const std::vector<render::Vertex>& vertices) {
   count = static_cast<GLsizei>(vertices.size());
   glBindBuffer(GL_ARRAY_BUFFER, buffer.get());
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(render::Vertex)), vertices.data(), GL_DYNAMIC_DRAW);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(render::Vertex)),
+               vertices.data(), GL_DYNAMIC_DRAW);
 }
 
 void FragmentMarks::set(const Engine& engine, std::size_t light, const render::Model& model) {
@@ -59,9 +63,11 @@ void FragmentMarks::set(const Engine& engine, std::size_t light, const render::M
       const auto corners = block.corners_of(fragment);
       const Colour cell = colour_of_cell(fragment.id.cell);
       for (std::size_t i = 0; i < corners.size(); ++i)
-        for (const std::size_t k : {i, (i + 1) % corners.size()}) lines.push_back(vertex(model, corners[k], fragment.lit ? lit : shadowed));
+        for (const std::size_t k : {i, (i + 1) % corners.size()})
+          lines.push_back(vertex(model, corners[k], fragment.lit ? lit : shadowed));
       for (std::size_t i = 2; i < corners.size(); ++i)
-        for (const std::size_t k : {std::size_t{0}, i - 1, i}) triangles.push_back(vertex(model, corners[k], cell));
+        for (const std::size_t k : {std::size_t{0}, i - 1, i})
+          triangles.push_back(vertex(model, corners[k], cell));
     }
   }
   outlines_.upload(lines);

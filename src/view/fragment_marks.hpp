@@ -1,4 +1,5 @@
-// The engine's fragments made visible over the picture: their outlines, or the cells of the balanced prefix that they lie in.
+// The engine's fragments made visible over the picture: their outlines, or the cells of the
+// balanced prefix that they lie in.
 #pragma once
 
 #include <shadowcut/shadows.hpp>
@@ -10,7 +11,8 @@ namespace shadowcut::view {
 class FragmentMarks {
  public:
   FragmentMarks();
-  // What to show: the fragments of one light, as they are now. Shadowed ones are outlined in blue, lit ones in orange.
+  // What to show: the fragments of one light, as they are now. Shadowed ones are outlined in blue,
+  // lit ones in orange.
   void set(const Engine& engine, std::size_t light, const render::Model& model);
   // Over a picture that has its depths. Outlines are drawn a little in front.
   void draw_outlines(const render::Frame& frame) const;

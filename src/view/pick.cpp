@@ -9,8 +9,9 @@
 namespace shadowcut::view {
 namespace {
 
-// Where the ray meets the facet's plane within its edges, as a multiple of the ray; infinity if nowhere. Told by on which side of each edge
-// the ray passes, so that a ray between two facets that share an edge does not slip through.
+// Where the ray meets the facet's plane within its edges, as a multiple of the ray; infinity if
+// nowhere. Told by on which side of each edge the ray passes, so that a ray between two facets that
+// share an edge does not slip through.
 double meets(const Scene& scene, const Facet& facet, const Ray& ray) {
   constexpr double nowhere = std::numeric_limits<double>::infinity();
   const auto corners = scene.corners_of(facet);
@@ -19,7 +20,8 @@ double meets(const Scene& scene, const Facet& facet, const Ray& ray) {
     std::uint32_t a = corners[i].vertex, b = corners[(i + 1) % corners.size()].vertex;
     const bool turned = a > b;  // the same product for both facets of an edge
     if (turned) std::swap(a, b);
-    const double side = ray.along.dot((scene.vertices()[a] - ray.from).cross(scene.vertices()[b] - ray.from));
+    const double side =
+        ray.along.dot((scene.vertices()[a] - ray.from).cross(scene.vertices()[b] - ray.from));
     (side > 0) == turned ? left = true : right = true;
     if (left && right) return nowhere;
   }
@@ -31,7 +33,8 @@ double meets(const Scene& scene, const Facet& facet, const Ray& ray) {
 Eigen::AlignedBox3d box_of(const Scene& scene, std::uint32_t index) {
   const Object& object = scene.objects()[index];
   Eigen::AlignedBox3d box;
-  for (std::uint32_t v = object.first_vertex; v < object.first_vertex + object.vertex_count; ++v) box.extend(scene.vertices()[v]);
+  for (std::uint32_t v = object.first_vertex; v < object.first_vertex + object.vertex_count; ++v)
+    box.extend(scene.vertices()[v]);
   return box;
 }
 
@@ -56,9 +59,11 @@ std::optional<Eigen::Vector2d> Screen::pixel(const Vec3& point) const {
   return Eigen::Vector2d(width / 2.0 + scale * p.x(), height / 2.0 - scale * p.y());
 }
 
-std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> Screen::line(const Vec3& a, const Vec3& b) const {
+std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> Screen::line(const Vec3& a,
+                                                                        const Vec3& b) const {
   const Pose view = camera.view();
-  const double limit = near * (1 + 1e-9);  // what is clipped here is beyond the plane, whatever the rounding
+  // what is clipped here is beyond the plane, whatever the rounding
+  const double limit = near * (1 + 1e-9);
   const double depth_a = -(view * a).z(), depth_b = -(view * b).z();
   if (depth_a < limit && depth_b < limit) return std::nullopt;
   const auto end = [&](const Vec3& p, double depth) -> Vec3 {
@@ -80,7 +85,8 @@ Light moved_to(const Light& light, const Vec3& marker, const Eigen::AlignedBox3d
   return moved;
 }
 
-std::optional<Hit> pick_facet(const Scene& scene, const Screen& screen, const Eigen::Vector2d& pixel) {
+std::optional<Hit> pick_facet(const Scene& scene, const Screen& screen,
+                              const Eigen::Vector2d& pixel) {
   const Ray ray = screen.ray(pixel);
   double nearest = std::numeric_limits<double>::infinity();
   Hit hit;
@@ -98,8 +104,8 @@ std::optional<Hit> pick_facet(const Scene& scene, const Screen& screen, const Ei
   return hit;
 }
 
-std::optional<Hit> pick(const Scene& scene, const Screen& screen, const Eigen::Vector2d& pixel, double radius,
-                        const Eigen::AlignedBox3d& box) {
+std::optional<Hit> pick(const Scene& scene, const Screen& screen, const Eigen::Vector2d& pixel,
+                        double radius, const Eigen::AlignedBox3d& box) {
   double nearest = radius;
   std::optional<Hit> hit;
   for (std::uint32_t k = 0; k < scene.lights().size(); ++k) {
@@ -114,11 +120,13 @@ std::optional<Hit> pick(const Scene& scene, const Screen& screen, const Eigen::V
 }
 
 bool is_shell(const Scene& scene, std::uint32_t object, const Eigen::AlignedBox3d& all) {
-  const auto alive = std::count_if(scene.objects().begin(), scene.objects().end(), [](const Object& o) { return o.alive; });
+  const auto alive = std::count_if(scene.objects().begin(), scene.objects().end(),
+                                   [](const Object& o) { return o.alive; });
   return alive > 1 && axes_filled(scene, object, all) >= 2;
 }
 
-bool is_draggable(const Scene& scene, std::uint32_t object, const Eigen::AlignedBox3d& all, const Vec3& eye) {
+bool is_draggable(const Scene& scene, std::uint32_t object, const Eigen::AlignedBox3d& all,
+                  const Vec3& eye) {
   return !is_shell(scene, object, all) && !box_of(scene, object).contains(eye);
 }
 
@@ -129,8 +137,10 @@ bool is_room(const Scene& scene) {
   return false;
 }
 
-Vec3 dragged(const Vec3& held, const Ray& cursor, const render::Camera& camera, bool upright, double reach) {
-  constexpr double flattest = 0.02;  // sine of the angle at which the cursor's ray must meet the plane
+Vec3 dragged(const Vec3& held, const Ray& cursor, const render::Camera& camera, bool upright,
+             double reach) {
+  // sine of the angle at which the cursor's ray must meet the plane
+  constexpr double flattest = 0.02;
   Vec3 normal = Vec3::UnitZ();
   if (upright) {
     const Vec3 right = camera.view().linear().row(0);

@@ -18,7 +18,9 @@ constexpr double steepest = 89 * std::numbers::pi / 180;
 
 render::Camera first_camera(const Scene& scene) {
   const Eigen::AlignedBox3d box = box_of(scene);
-  const auto at = [&](double x, double y, double z) -> Vec3 { return box.min() + Vec3(x, y, z).cwiseProduct(box.sizes()); };
+  const auto at = [&](double x, double y, double z) -> Vec3 {
+    return box.min() + Vec3(x, y, z).cwiseProduct(box.sizes());
+  };
   if (is_room(scene)) return {at(0.03, 0.04, 0.85), at(0.5, 0.6, 0.1), 75 * std::numbers::pi / 180};
   const double away = std::max(box.diagonal().norm(), std::numeric_limits<double>::min());
   return {box.center() + away * Vec3(-0.55, -0.66, 0.42), box.center()};
@@ -50,7 +52,8 @@ void Walker::turn(double right, double up) {
   pitch_ = std::clamp(pitch_ + up, -steepest, steepest);
   const double distance = (camera_.target - camera_.eye).norm();
   camera_.target =
-      camera_.eye + distance * Vec3(std::cos(pitch_) * std::cos(heading_), std::cos(pitch_) * std::sin(heading_), std::sin(pitch_));
+      camera_.eye + distance * Vec3(std::cos(pitch_) * std::cos(heading_),
+                                    std::cos(pitch_) * std::sin(heading_), std::sin(pitch_));
 }
 
 }  // namespace shadowcut::view

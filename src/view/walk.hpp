@@ -1,4 +1,5 @@
-// A person who walks and looks around: the camera, from what keys and mouse ask for. Knows no window.
+// A person who walks and looks around: the camera, from what keys and mouse ask for. Knows no
+// window.
 #pragma once
 
 #include "model.hpp"
@@ -12,7 +13,8 @@ render::Camera first_camera(const Scene& scene);
 
 // What is asked for, each from -1 to 1.
 struct Steps {
-  double forward = 0, right = 0, up = 0;  // forward and right along the floor, wherever the eye looks
+  // forward and right along the floor, wherever the eye looks
+  double forward = 0, right = 0, up = 0;
   double turn_right = 0, turn_up = 0;
   bool run = false;
 };

@@ -1,8 +1,9 @@
 // See walkthrough.hpp.
 //
-// The picture is drawn beside the window and copied into it, so it is what `render` draws, pixel for pixel; it is drawn again only when the
-// camera or the scene has changed. What changed in the scene goes to the technique and to the engine at once; `fragments` and the overlay's
-// figures share one engine, which follows whatever technique draws.
+// The picture is drawn beside the window and copied into it, so it is what `render` draws, pixel
+// for pixel; it is drawn again only when the camera or the scene has changed. What changed in the
+// scene goes to the technique and to the engine at once; `fragments` and the overlay's figures
+// share one engine, which follows whatever technique draws.
 #include "walkthrough.hpp"
 
 #define GLFW_INCLUDE_NONE
@@ -29,7 +30,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 // The last hundred times of something, in milliseconds.
 class Times {
@@ -102,7 +105,8 @@ class Walkthrough {
   const Engine& engine() const { return *fragments_->engine(); }
   std::uint32_t shown_light() const;
   Screen screen() const {
-    return {walker_.camera(), size_.width, size_.height, model_.frame(walker_.camera(), size_.width, size_.height).near};
+    return {walker_.camera(), size_.width, size_.height,
+            model_.frame(walker_.camera(), size_.width, size_.height).near};
   }
 
   Scene& scene_;
@@ -114,7 +118,8 @@ class Walkthrough {
   Window window_;
   Overlay overlay_;
   render::Model model_;
-  std::unique_ptr<render::Technique> fragments_, other_;  // the one that draws, if it is not `fragments`
+  // the one that draws, if it is not `fragments`
+  std::unique_ptr<render::Technique> fragments_, other_;
   std::optional<render::Target> target_;
   FragmentMarks marks_;
 
@@ -122,13 +127,15 @@ class Walkthrough {
   Size size_;
   std::optional<Selection> selection_;
   std::optional<Drag> drag_;
-  std::optional<Eigen::Vector2d> looking_;  // where the cursor was last, while the right button is held
+  // where the cursor was last, while the right button is held
+  std::optional<Eigen::Vector2d> looking_;
   Eigen::Vector2d cursor_ = Eigen::Vector2d::Zero();
   std::uint32_t light_ = 0;  // whose fragments are shown
   bool outlines_ = false, cells_ = false, keys_ = true;
   std::optional<double> wind_;  // for how long it has blown, in seconds
   bool picture_stale_ = true, window_stale_ = true, marks_stale_ = true;
-  std::uint64_t known_ = 0, engine_known_ = 0;  // revisions of the scene: the technique's and the engine's
+  // revisions of the scene: the technique's and the engine's
+  std::uint64_t known_ = 0, engine_known_ = 0;
   Times updates_, engine_updates_, draws_;
   double gone_ = 0, added_ = 0;
 };
@@ -154,11 +161,13 @@ void Walkthrough::run() {
   while (!window_.is_closed()) {
     const bool waits = size_.empty() || (!walking && !wind_ && !picture_stale_ && !window_stale_);
     for (const Event& event : window_.events(waits)) handle(event);
-    // Time spent waiting is not walked, nor is more than a fast walker's quarter of a second at once.
+    // Time spent waiting is not walked, nor is more than a fast walker's quarter of a second at
+    // once.
     const double passed = waits ? 0 : std::min(seconds_since(then), 0.25);
     then = Clock::now();
     const Steps now = steps();
-    walking = now.forward != 0 || now.right != 0 || now.up != 0 || now.turn_right != 0 || now.turn_up != 0;
+    walking = now.forward != 0 || now.right != 0 || now.up != 0 || now.turn_right != 0 ||
+              now.turn_up != 0;
     if (walking) {
       walker_.walk(now, passed);
       if (drag_ && drag_->moved) follow_cursor();
@@ -258,9 +267,12 @@ Steps Walkthrough::steps() const {
   const auto axis = [&](int more, int less) {
     return static_cast<double>(window_.is_held(more)) - static_cast<double>(window_.is_held(less));
   };
-  return {axis(GLFW_KEY_W, GLFW_KEY_S),     axis(GLFW_KEY_D, GLFW_KEY_A),
-          axis(GLFW_KEY_E, GLFW_KEY_Q),     axis(GLFW_KEY_RIGHT, GLFW_KEY_LEFT),
-          axis(GLFW_KEY_UP, GLFW_KEY_DOWN), window_.is_held(GLFW_KEY_LEFT_SHIFT) || window_.is_held(GLFW_KEY_RIGHT_SHIFT)};
+  return {axis(GLFW_KEY_W, GLFW_KEY_S),
+          axis(GLFW_KEY_D, GLFW_KEY_A),
+          axis(GLFW_KEY_E, GLFW_KEY_Q),
+          axis(GLFW_KEY_RIGHT, GLFW_KEY_LEFT),
+          axis(GLFW_KEY_UP, GLFW_KEY_DOWN),
+          window_.is_held(GLFW_KEY_LEFT_SHIFT) || window_.is_held(GLFW_KEY_RIGHT_SHIFT)};
 }
 
 void Walkthrough::press_left(const Eigen::Vector2d& cursor) {
@@ -282,7 +294,8 @@ void Walkthrough::press_left(const Eigen::Vector2d& cursor) {
 
 void Walkthrough::move_cursor(const Eigen::Vector2d& cursor) {
   if (looking_) {
-    const double turn = 1.5 * walker_.camera().fov / std::max(size_.height, 1);  // a little more than the picture follows the cursor
+    // a little more than the picture follows the cursor
+    const double turn = 1.5 * walker_.camera().fov / std::max(size_.height, 1);
     walker_.turn(turn * (cursor.x() - looking_->x()), turn * (looking_->y() - cursor.y()));
     looking_ = cursor;
     picture_stale_ = true;
@@ -296,14 +309,18 @@ void Walkthrough::move_cursor(const Eigen::Vector2d& cursor) {
 
 void Walkthrough::follow_cursor() {
   if (size_.empty()) return;
-  const bool upright = window_.is_held(GLFW_KEY_LEFT_SHIFT) || window_.is_held(GLFW_KEY_RIGHT_SHIFT);
-  const double reach = 2 * box_.diagonal().norm() + (drag_->held - walker_.camera().eye).norm();  // not out to the horizon
+  const bool upright =
+      window_.is_held(GLFW_KEY_LEFT_SHIFT) || window_.is_held(GLFW_KEY_RIGHT_SHIFT);
+  // not out to the horizon
+  const double reach = 2 * box_.diagonal().norm() + (drag_->held - walker_.camera().eye).norm();
   drag_->held = dragged(drag_->held, screen().ray(cursor_), walker_.camera(), upright, reach);
   if (selection_->is_light) {
     const Light to = moved_to(drag_->light, drag_->held, box_);
-    if (to.kind == Light::Kind::point || to.at.norm() > 0) arrangement_.set_light(selection_->index, to);
+    if (to.kind == Light::Kind::point || to.at.norm() > 0)
+      arrangement_.set_light(selection_->index, to);
   } else {
-    arrangement_.set_pose(selection_->index, Eigen::Translation3d(drag_->held - drag_->grabbed) * drag_->pose);
+    arrangement_.set_pose(selection_->index,
+                          Eigen::Translation3d(drag_->held - drag_->grabbed) * drag_->pose);
   }
 }
 
@@ -315,7 +332,8 @@ void Walkthrough::put_back() {
 
 void Walkthrough::remove_selected() {
   if (!selection_) return;
-  message_ = name_of(scene_, selection_->is_light, selection_->index) + " is gone: U brings it back";
+  message_ =
+      name_of(scene_, selection_->is_light, selection_->index) + " is gone: U brings it back";
   arrangement_.remove(selection_->is_light, selection_->index);
   drag_.reset(), selection_.reset();
 }
@@ -346,16 +364,19 @@ void Walkthrough::toggle_wind() {
     wind_ = 0;
     message_ = "a wind blows";
   } else {
-    message_ = "no wind: shadows of " + technique_name_ + " do not follow what the vertex shader bends";
+    message_ =
+        "no wind: shadows of " + technique_name_ + " do not follow what the vertex shader bends";
   }
 }
 
-// It carries what stands highest by up to a seventh of the scene's height, back and forth in two directions that never agree.
+// It carries what stands highest by up to a seventh of the scene's height, back and forth in two
+// directions that never agree.
 void Walkthrough::let_blow(double seconds) {
   *wind_ += seconds;
   const double height = box_.sizes().z();
   if (!(height > 0)) return;
-  const Vec3 sway(0.1 * std::sin(1.7 * *wind_) + 0.03 * std::sin(5.3 * *wind_), 0.06 * std::sin(1.1 * *wind_), 0);
+  const Vec3 sway(0.1 * std::sin(1.7 * *wind_) + 0.03 * std::sin(5.3 * *wind_),
+                  0.06 * std::sin(1.1 * *wind_), 0);
   model_.set_wind({(sway / height).cast<float>(), static_cast<float>(box_.min().z())});
   picture_stale_ = true;
 }
@@ -371,7 +392,8 @@ void Walkthrough::follow_scene() {
   };
   if (other_) timed(*other_, updates_);
   timed(*fragments_, other_ ? engine_updates_ : updates_);
-  if (std::exchange(engine_known_, scene_.revision()) != scene_.revision()) {  // the scene has changed, not the technique alone
+  // the scene has changed, not the technique alone
+  if (std::exchange(engine_known_, scene_.revision()) != scene_.revision()) {
     for (const auto& [name, value] : fragments_->figures()) {
       if (name == "fragments_gone") gone_ = value;
       if (name == "fragments_new") added_ = value;
@@ -381,7 +403,8 @@ void Walkthrough::follow_scene() {
   picture_stale_ = marks_stale_ = true;
 }
 
-// The light whose fragments are shown: the one picked last, or the first that is there; none when all are gone.
+// The light whose fragments are shown: the one picked last, or the first that is there; none when
+// all are gone.
 std::uint32_t Walkthrough::shown_light() const {
   if (scene_.light_id(light_).index != none) return light_;
   for (std::uint32_t k = 0; k < scene_.lights().size(); ++k)
@@ -449,8 +472,9 @@ void Walkthrough::describe() {
   if (keys_) describe_keys(corner);
 }
 
-constexpr ImGuiWindowFlags plain = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize |
-                                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
+constexpr ImGuiWindowFlags plain =
+    ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize |
+    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
 
 // Returns the lower right corner.
 ImVec2 Walkthrough::describe_figures() {
@@ -461,7 +485,8 @@ ImVec2 Walkthrough::describe_figures() {
   ImGui::SameLine();
   ImGui::Text("%s", settings_.scene_name.c_str());
   ImGui::Text("update %8.2f ms, median %8.2f", updates_.last(), updates_.median());
-  if (other_) ImGui::Text("engine %8.2f ms, median %8.2f", engine_updates_.last(), engine_updates_.median());
+  if (other_)
+    ImGui::Text("engine %8.2f ms, median %8.2f", engine_updates_.last(), engine_updates_.median());
   ImGui::Text("draw   %8.2f ms, median %8.2f", draws_.last(), draws_.median());
   ImGui::Text("fragments gone %.0f, new %.0f in the last update", gone_, added_);
   Stats sum;
@@ -470,16 +495,20 @@ ImVec2 Walkthrough::describe_figures() {
     if (scene_.light_id(k).index == none) continue;
     const Stats& stats = engine().shadows(k).stats;
     sum.lit_fragments += stats.lit_fragments, sum.shadowed_fragments += stats.shadowed_fragments;
-    sum.nodes += stats.nodes, sum.marked_nodes += stats.marked_nodes, sum.cells += stats.cells, sum.facing_faces += stats.facing_faces;
+    sum.nodes += stats.nodes, sum.marked_nodes += stats.marked_nodes, sum.cells += stats.cells,
+        sum.facing_faces += stats.facing_faces;
     ++lights;
   }
   const auto number = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
-  ImGui::Text("fragments %llu lit, %llu shadowed", number(sum.lit_fragments), number(sum.shadowed_fragments));
-  ImGui::Text("tree nodes %llu (%llu marked), cells %llu", number(sum.nodes), number(sum.marked_nodes), number(sum.cells));
+  ImGui::Text("fragments %llu lit, %llu shadowed", number(sum.lit_fragments),
+              number(sum.shadowed_fragments));
+  ImGui::Text("tree nodes %llu (%llu marked), cells %llu", number(sum.nodes),
+              number(sum.marked_nodes), number(sum.cells));
   ImGui::Text("facing faces %llu, lights %zu", number(sum.facing_faces), lights);
   const render::Camera& camera = walker_.camera();
   const Vec3 ahead = camera.target;
-  ImGui::Text("eye %.2f, %.2f, %.2f to %.2f, %.2f, %.2f", camera.eye.x(), camera.eye.y(), camera.eye.z(), ahead.x(), ahead.y(), ahead.z());
+  ImGui::Text("eye %.2f, %.2f, %.2f to %.2f, %.2f, %.2f", camera.eye.x(), camera.eye.y(),
+              camera.eye.z(), ahead.x(), ahead.y(), ahead.z());
   if (outlines_ || cells_) {
     const std::uint32_t light = shown_light();
     ImGui::Text("%s of %s",
@@ -489,7 +518,8 @@ ImVec2 Walkthrough::describe_figures() {
                 light == none ? "no light" : name_of(scene_, true, light).c_str());
   }
   describe_selection();
-  if (!settings_.note.empty()) ImGui::TextColored(ImVec4(1, 0.7f, 0.5f, 1), "%s", settings_.note.c_str());
+  if (!settings_.note.empty())
+    ImGui::TextColored(ImVec4(1, 0.7f, 0.5f, 1), "%s", settings_.note.c_str());
   if (!message_.empty()) ImGui::TextColored(ImVec4(0.7f, 1, 0.7f, 1), "%s", message_.c_str());
   if (!keys_) ImGui::TextDisabled("H: keys");
   const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
@@ -503,17 +533,22 @@ void Walkthrough::describe_selection() {
   if (selection_->is_light) {
     const Light& light = scene_.lights()[selection_->index];
     const bool sun = light.kind == Light::Kind::directional;
-    ImGui::Text("selected: %s, %s %.3f, %.3f, %.3f", name.c_str(), sun ? "travels" : "at", light.at.x(), light.at.y(), light.at.z());
+    ImGui::Text("selected: %s, %s %.3f, %.3f, %.3f", name.c_str(), sun ? "travels" : "at",
+                light.at.x(), light.at.y(), light.at.z());
     return;
   }
   const Object& object = scene_.objects()[selection_->index];
-  const char* fast = is_shell(scene_, selection_->index, box_)                              ? ": holds fast, it is the room or a part of it"
-                     : !is_draggable(scene_, selection_->index, box_, walker_.camera().eye) ? ": holds fast while you stand in it"
-                                                                                            : "";
-  ImGui::Text("selected: %s, %s, %u faces%s", name.c_str(), object.sides == Sides::closed ? "solid" : "open", object.face_count, fast);
+  const char* fast = is_shell(scene_, selection_->index, box_)
+                         ? ": holds fast, it is the room or a part of it"
+                     : !is_draggable(scene_, selection_->index, box_, walker_.camera().eye)
+                         ? ": holds fast while you stand in it"
+                         : "";
+  ImGui::Text("selected: %s, %s, %u faces%s", name.c_str(),
+              object.sides == Sides::closed ? "solid" : "open", object.face_count, fast);
 }
 
-// Beside the figures, whose lower right corner is given, or where there is no room for that below them.
+// Beside the figures, whose lower right corner is given, or where there is no room for that below
+// them.
 void Walkthrough::describe_keys(const ImVec2& below_figures) {
   constexpr const char* keys[][2] = {{"W A S D", "walk"},
                                      {"Q E", "down, up"},
@@ -535,14 +570,17 @@ void Walkthrough::describe_keys(const ImVec2& below_figures) {
                                      {"Esc", "end; a drag: undo it"}};
   const float right = static_cast<float>(size_.width) - 8;
   const bool beside = right - below_figures.x > 330 * window_.text_scale();
-  ImGui::SetNextWindowPos(beside ? ImVec2(right, 8) : ImVec2(8, below_figures.y + 4), ImGuiCond_Always, ImVec2(beside ? 1.f : 0.f, 0));
+  ImGui::SetNextWindowPos(beside ? ImVec2(right, 8) : ImVec2(8, below_figures.y + 4),
+                          ImGuiCond_Always, ImVec2(beside ? 1.f : 0.f, 0));
   ImGui::SetNextWindowBgAlpha(0.6f);
   ImGui::Begin("keys", nullptr, plain);
   for (const auto& [key, what] : keys) ImGui::Text("%-13s%s", key, what);
   ImGui::End();
 }
 
-ImVec2 on_screen(const Eigen::Vector2d& pixel) { return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())}; }
+ImVec2 on_screen(const Eigen::Vector2d& pixel) {
+  return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
+}
 
 // Lights, on top of everything; hollow where something hides them.
 void Walkthrough::draw_markers() {
@@ -572,17 +610,21 @@ void Walkthrough::draw_box_of_selected() {
   const Object& object = scene_.objects()[selection_->index];
   const Pose local = object.pose.inverse();
   Eigen::AlignedBox3d box;
-  for (std::uint32_t v = object.first_vertex; v < object.first_vertex + object.vertex_count; ++v) box.extend(local * scene_.vertices()[v]);
+  for (std::uint32_t v = object.first_vertex; v < object.first_vertex + object.vertex_count; ++v)
+    box.extend(local * scene_.vertices()[v]);
   const auto corner = [&](unsigned k) -> Vec3 {
-    return object.pose *
-           Vec3(k & 1 ? box.max().x() : box.min().x(), k & 2 ? box.max().y() : box.min().y(), k & 4 ? box.max().z() : box.min().z());
+    return object.pose * Vec3(k & 1 ? box.max().x() : box.min().x(),
+                              k & 2 ? box.max().y() : box.min().y(),
+                              k & 4 ? box.max().z() : box.min().z());
   };
   const Screen view = screen();
   for (unsigned k = 0; k < 8; ++k) {
     for (const unsigned axis : {1u, 2u, 4u}) {
       if (k & axis) continue;
       const auto line = view.line(corner(k), corner(k | axis));
-      if (line) ImGui::GetBackgroundDrawList()->AddLine(on_screen(line->first), on_screen(line->second), IM_COL32(255, 255, 0, 255), 1.5f);
+      if (line)
+        ImGui::GetBackgroundDrawList()->AddLine(on_screen(line->first), on_screen(line->second),
+                                                IM_COL32(255, 255, 0, 255), 1.5f);
     }
   }
 }
@@ -592,7 +634,8 @@ void Walkthrough::draw_box_of_selected() {
 Light light_for(const Scene& scene) {
   const Eigen::AlignedBox3d box = box_of(scene);
   Light light = Light::point(box.center());
-  light.at.z() = is_room(scene) ? box.max().z() - 0.08 * box.sizes().z() : box.max().z() + 0.3 * box.diagonal().norm();
+  light.at.z() = is_room(scene) ? box.max().z() - 0.08 * box.sizes().z()
+                                : box.max().z() + 0.3 * box.diagonal().norm();
   light.name = "lamp";
   return light;
 }

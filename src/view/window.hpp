@@ -1,5 +1,5 @@
-// A window with an OpenGL 3.3 core context, made by GLFW, and text over its picture, drawn by Dear ImGui. Of GLFW
-// nothing but the names of keys is known beyond this.
+// A window with an OpenGL 3.3 core context, made by GLFW, and text over its picture, drawn by Dear
+// ImGui. Of GLFW nothing but the names of keys is known beyond this.
 #pragma once
 
 #include <functional>
@@ -58,7 +58,8 @@ class Window {
   Library library_;
   GLFWwindow* window_ = nullptr;
   std::vector<Event> events_;
-  Eigen::Vector2d cursor_ = Eigen::Vector2d::Zero();  // as events have it: where it is now may be beyond those still to come
+  // as events have it: where it is now may be beyond those still to come
+  Eigen::Vector2d cursor_ = Eigen::Vector2d::Zero();
   bool tells_resets_arb_ = false, tells_resets_khr_ = false;
 };
 
@@ -70,7 +71,8 @@ class Overlay {
   Overlay(const Overlay&) = delete;
   Overlay& operator=(const Overlay&) = delete;
 
-  // `describe` calls Dear ImGui, and is called twice: the first time finds how large everything becomes.
+  // `describe` calls Dear ImGui, and is called twice: the first time finds how large everything
+  // becomes.
   void draw(Size picture, const std::function<void()>& describe);
 };
 

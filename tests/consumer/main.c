@@ -7,7 +7,8 @@ static int add_square(shadowcut_scene* scene, double side, double height) {
   const uint32_t corners[4] = {0, 1, 2, 3};
   shadowcut_mesh* mesh = NULL;
   shadowcut_object_id id;
-  const int good = shadowcut_mesh_create(&mesh) == SHADOWCUT_OK && shadowcut_mesh_set_vertices(mesh, xyz, 4) == SHADOWCUT_OK &&
+  const int good = shadowcut_mesh_create(&mesh) == SHADOWCUT_OK &&
+                   shadowcut_mesh_set_vertices(mesh, xyz, 4) == SHADOWCUT_OK &&
                    shadowcut_mesh_add_face(mesh, corners, 4) == SHADOWCUT_OK &&
                    shadowcut_scene_add_object(scene, mesh, NULL, &id) == SHADOWCUT_OK;
   shadowcut_mesh_destroy(mesh);
@@ -19,8 +20,8 @@ int main(void) {
   shadowcut_shadows* shadows = NULL;
   shadowcut_light light;
   shadowcut_face_area area = {0, 0, 0, 0, 0};
-  int good = shadowcut_scene_create(&scene) == SHADOWCUT_OK && add_square(scene, 8, 0) && add_square(scene, 1, 1) &&
-             shadowcut_light_init(&light) == SHADOWCUT_OK;
+  int good = shadowcut_scene_create(&scene) == SHADOWCUT_OK && add_square(scene, 8, 0) &&
+             add_square(scene, 1, 1) && shadowcut_light_init(&light) == SHADOWCUT_OK;
   light.at[2] = 2;
   good = good && shadowcut_cast_shadows(scene, &light, NULL, &shadows) == SHADOWCUT_OK &&
          shadowcut_shadows_areas(shadows, 0, 1, &area) == SHADOWCUT_OK;

@@ -1,4 +1,5 @@
-// Casts one shadow with the installed library: a unit square halfway up to the light takes four from the ground.
+// Casts one shadow with the installed library: a unit square halfway up to the light takes four
+// from the ground.
 #include <cmath>
 #include <cstdio>
 #include <shadowcut/shadows.hpp>

@@ -1,6 +1,7 @@
-// libFuzzer: bytes make a small scene, mostly on a grid, which is where everything degenerate happens; some coordinates are any double.
-// Its shadows are cast in every form, by every kernel, with and without smallest features left out; the tree must be valid and each face's
-// fragments must add up to its area.
+// libFuzzer: bytes make a small scene, mostly on a grid, which is where everything degenerate
+// happens; some coordinates are any double. Its shadows are cast in every form, by every kernel,
+// with and without smallest features left out; the tree must be valid and each face's fragments
+// must add up to its area.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -20,7 +21,8 @@ class Source : public fuzz::Bytes {
     if (!any) return byte() % 8 - 2;
     std::uint64_t bits = 0;
     for (int k = 0; k < 8; ++k) bits = bits << 8 | byte();
-    return static_cast<double>(static_cast<std::int64_t>(bits)) * 0x1p-60;  // within 8, with all bits
+    // within 8, with all bits
+    return static_cast<double>(static_cast<std::int64_t>(bits)) * 0x1p-60;
   }
   Vec3 point(bool any) {
     const double x = coordinate(any), y = coordinate(any), z = coordinate(any);
@@ -34,17 +36,20 @@ Mesh some_mesh(Source& source, std::uint8_t kind) {
 
 double area_of(std::span<const Vec3> corners) {
   Vec3 twice = Vec3::Zero();
-  for (std::size_t i = 2; i < corners.size(); ++i) twice += (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]);
+  for (std::size_t i = 2; i < corners.size(); ++i)
+    twice += (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]);
   return twice.norm() / 2;
 }
 
-// Fragments lie within a face, so areas are compared with the size of the face, not with what a needle's area happens to be.
+// Fragments lie within a face, so areas are compared with the size of the face, not with what a
+// needle's area happens to be.
 double size_of(const Scene& scene, const Face& face) {
   double size = 0;
   for (std::uint32_t k = 0; k < face.facet_count; ++k) {
     const Facet& facet = scene.facets()[face.first_facet + k];
     const Vec3& first = scene.vertices()[scene.corners_of(facet)[0].vertex];
-    for (const Corner& c : scene.corners_of(facet)) size = std::max(size, (scene.vertices()[c.vertex] - first).norm());
+    for (const Corner& c : scene.corners_of(facet))
+      size = std::max(size, (scene.vertices()[c.vertex] - first).norm());
   }
   return size;
 }
@@ -62,11 +67,15 @@ void check(const Scene& scene, const Shadows& shadows, double accuracy) {
     const FaceArea& area = shadows.areas[i];
     if (area.facing == Facing::refused) continue;
     const double size = size_of(scene, scene.faces()[i]);
-    // Coordinates and distances from the light are up to 16 here, and every corner carries a rounding of them.
+    // Coordinates and distances from the light are up to 16 here, and every corner carries a
+    // rounding of them.
     const double tolerance = 1e-7 * (area.area + size * size) + accuracy * 64 * 0x1p-53 * 16 * size;
     require(area.lit >= 0 && area.shadowed >= 0, "a negative area");
-    require(std::abs(area.lit + area.shadowed + area.dropped - area.area) <= tolerance, "lit and shadowed do not make the area");
-    require(std::abs(lit[i] - area.lit) <= tolerance && std::abs(shadowed[i] - area.shadowed) <= tolerance, "fragments do not add up");
+    require(std::abs(area.lit + area.shadowed + area.dropped - area.area) <= tolerance,
+            "lit and shadowed do not make the area");
+    require(std::abs(lit[i] - area.lit) <= tolerance &&
+                std::abs(shadowed[i] - area.shadowed) <= tolerance,
+            "fragments do not add up");
   }
 }
 
@@ -79,7 +88,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::uint8_t choice = source.byte();
   options.order = static_cast<Order>(choice % 3);
   options.facets_per_cell = choice & 8 ? 2 : choice & 16 ? 0 : 64;
-  Light light = choice & 32 ? Light::directional(source.point(false)) : Light::point(source.point(choice & 64));
+  Light light = choice & 32 ? Light::directional(source.point(false))
+                            : Light::point(source.point(choice & 64));
   if (light.kind == Light::Kind::directional && light.at.isZero()) light.at.z() = -1;
   Scene scene;
   for (int k = 0; k < 12 && !source.empty(); ++k) {
@@ -99,7 +109,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string complaint = engine.validate();
     require(complaint.empty(), complaint.c_str());
     check(scene, engine.shadows(0), kernel == Kernel::single ? 0x1p29 : 1);
-    for (const double open : engine.undecided(0)) require(open >= 0 && std::isfinite(open), "an undecided area is no area");
+    for (const double open : engine.undecided(0))
+      require(open >= 0 && std::isfinite(open), "an undecided area is no area");
   };
   for (const Form form : {Form::pieces, Form::merged, Form::conforming}) run(Kernel::fast, form, 0);
   run(Kernel::exact, choice & 128 ? Form::pieces : Form::merged, 0);

@@ -1,6 +1,7 @@
-// libFuzzer: bytes make a small scene and a history of edits. All coordinates are multiples of an eighth, mostly whole, so that everything
-// degenerate happens, and exactly. After every update the trees must be valid, areas those of shadows cast anew, and the changes handed out
-// must lead from the fragments before to the fragments after.
+// libFuzzer: bytes make a small scene and a history of edits. All coordinates are multiples of an
+// eighth, mostly whole, so that everything degenerate happens, and exactly. After every update the
+// trees must be valid, areas those of shadows cast anew, and the changes handed out must lead from
+// the fragments before to the fragments after.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -36,7 +37,8 @@ Mesh some_mesh(Source& source, std::uint8_t kind) {
 Light some_light(Source& source, std::uint8_t kind) {
   Light light = kind & 1 ? Light::directional(source.point()) : Light::point(source.point());
   if (light.kind == Light::Kind::directional && light.at.isZero()) light.at.z() = -1;
-  if (light.kind == Light::Kind::point && kind & 2) light.range = 1.53125 + source.byte() % 8;  // nothing lies at such a distance exactly
+  // nothing lies at such a distance exactly
+  if (light.kind == Light::Kind::point && kind & 2) light.range = 1.53125 + source.byte() % 8;
   return light;
 }
 
@@ -98,7 +100,8 @@ class History {
         break;
       case 3:
         pose.linear() *= source_.byte() % 2 ? 2 : 0.5;
-        if (std::abs(std::log2(std::abs(pose.linear().determinant()))) < 7) done = scene_.set_pose(id, pose);
+        if (std::abs(std::log2(std::abs(pose.linear().determinant()))) < 7)
+          done = scene_.set_pose(id, pose);
         break;
       case 4:
         done = scene_.remove(id);
@@ -122,7 +125,8 @@ class History {
         done = scene_.set_light(scene_.light_id(0), some_light(source_, source_.byte()));
         break;
       case 10:
-        if (scene_.lights().size() < 2 || scene_.light_id(1).index == none) scene_.add(some_light(source_, source_.byte()));
+        if (scene_.lights().size() < 2 || scene_.light_id(1).index == none)
+          scene_.add(some_light(source_, source_.byte()));
         else done = scene_.remove(scene_.light_id(1));
         break;
       default:
@@ -146,7 +150,8 @@ class History {
       for (const FragmentId& id : c.gone) require(ids.erase(id) == 1, "gone, but was not there");
       for (const LightChanges::Added& a : c.added) {
         require(ids.insert(a.id).second, "added, but was there");
-        require(engine_.shadows(c.light).blocks.at(a.id.cell).fragments.at(a.index).id == a.id, "added at another place");
+        require(engine_.shadows(c.light).blocks.at(a.id.cell).fragments.at(a.index).id == a.id,
+                "added at another place");
       }
       if (c.removed) require(ids.empty(), "a light is gone, and not all its fragments");
     }
@@ -168,7 +173,8 @@ class History {
       require(a.facing == b.facing, "facing differs");
       if (a.facing == Facing::refused) continue;
       const double size = size_of(scene_.faces()[i]), tolerance = 1e-7 * (b.area + size * size);
-      const double most = std::max({std::abs(a.area - b.area), std::abs(a.lit - b.lit), std::abs(a.shadowed - b.shadowed)});
+      const double most = std::max(
+          {std::abs(a.area - b.area), std::abs(a.lit - b.lit), std::abs(a.shadowed - b.shadowed)});
       require(most <= tolerance, "areas differ");
     }
     std::size_t count = 0;
@@ -176,21 +182,25 @@ class History {
       for (const Fragment& f : block.fragments) {
         ++count;
         const Fragment* found = engine_.find(k, f.id);
-        require(ids_[static_cast<std::uint32_t>(k)].count(f.id) == 1, "a fragment was never announced");
+        require(ids_[static_cast<std::uint32_t>(k)].count(f.id) == 1,
+                "a fragment was never announced");
         require(found && found->id == f.id && found->face == f.face, "a fragment is not found");
         for (const Vec3& c : block.corners_of(f)) require(c.allFinite(), "a corner is not finite");
       }
     }
-    require(count == ids_[static_cast<std::uint32_t>(k)].size(), "a fragment was announced, and is not there");
+    require(count == ids_[static_cast<std::uint32_t>(k)].size(),
+            "a fragment was announced, and is not there");
   }
 
-  // Fragments lie within a face, so areas are compared with the size of the face, not with what a needle's area happens to be.
+  // Fragments lie within a face, so areas are compared with the size of the face, not with what a
+  // needle's area happens to be.
   double size_of(const Face& face) const {
     double size = 0;
     for (std::uint32_t k = 0; k < face.facet_count; ++k) {
       const Facet& facet = scene_.facets()[face.first_facet + k];
       const Vec3& first = scene_.vertices()[scene_.corners_of(facet)[0].vertex];
-      for (const Corner& c : scene_.corners_of(facet)) size = std::max(size, (scene_.vertices()[c.vertex] - first).norm());
+      for (const Corner& c : scene_.corners_of(facet))
+        size = std::max(size, (scene_.vertices()[c.vertex] - first).norm());
     }
     return size;
   }

@@ -1,5 +1,5 @@
-// libFuzzer: any bytes as an OBJ file. The reader throws Error or gives a scene whose every promise can be relied upon; then a shadow is
-// cast.
+// libFuzzer: any bytes as an OBJ file. The reader throws Error or gives a scene whose every promise
+// can be relied upon; then a shadow is cast.
 #include <cmath>
 #include <cstdlib>
 #include <shadowcut/io.hpp>
@@ -22,7 +22,8 @@ void check(const shadowcut::Scene& scene) {
   for (const Facet& facet : scene.facets()) {
     require(facet.corner_count >= 3);
     require(std::abs(scene.planes()[facet.plane].normal.norm() - 1) < 1e-9);
-    for (const Corner& c : scene.corners_of(facet)) require(c.vertex < scene.vertices().size() && (c.edge >> 1) < scene.edges().size());
+    for (const Corner& c : scene.corners_of(facet))
+      require(c.vertex < scene.vertices().size() && (c.edge >> 1) < scene.edges().size());
   }
   for (const Face& face : scene.faces()) require((face.facet_count == 0) == (face.area == 0));
 }

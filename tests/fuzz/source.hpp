@@ -1,4 +1,5 @@
-// What the fuzzers of scenes share: bytes, the meshes they make, and the end when something does not hold.
+// What the fuzzers of scenes share: bytes, the meshes they make, and the end when something does
+// not hold.
 #pragma once
 
 #include <array>
@@ -22,9 +23,15 @@ class Bytes {
 
 inline Mesh box(const Vec3& lo, const Vec3& hi) {
   Mesh mesh;
-  for (int k = 0; k < 8; ++k) mesh.vertices.emplace_back(k & 1 ? hi.x() : lo.x(), k & 2 ? hi.y() : lo.y(), k & 4 ? hi.z() : lo.z());
-  for (const std::array<std::uint32_t, 4>& q :
-       {std::array{0u, 2u, 3u, 1u}, {4u, 5u, 7u, 6u}, {0u, 1u, 5u, 4u}, {2u, 6u, 7u, 3u}, {0u, 4u, 6u, 2u}, {1u, 3u, 7u, 5u}})
+  for (int k = 0; k < 8; ++k)
+    mesh.vertices.emplace_back(k & 1 ? hi.x() : lo.x(), k & 2 ? hi.y() : lo.y(),
+                               k & 4 ? hi.z() : lo.z());
+  for (const std::array<std::uint32_t, 4>& q : {std::array{0u, 2u, 3u, 1u},
+                                                {4u, 5u, 7u, 6u},
+                                                {0u, 1u, 5u, 4u},
+                                                {2u, 6u, 7u, 3u},
+                                                {0u, 4u, 6u, 2u},
+                                                {1u, 3u, 7u, 5u}})
     mesh.add_face(q);
   return mesh;
 }

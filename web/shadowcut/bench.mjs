@@ -1,9 +1,10 @@
-// WebAssembly beside native code: whole builds (castShadows) of made scenes on one thread, with the fast kernel.
+// WebAssembly beside native code: whole builds (castShadows) of made scenes on one thread, with the
+// fast kernel.
 //
 //   node bench.mjs BIN      BIN holds make_scenes and shadowcut_bench: build/release/bin
 //
-// Both sides time themselves (buildMs + emitMs), in turns, and the minimum over all repeats counts: machines' speeds drift. Both must make
-// the same fragments.
+// Both sides time themselves (buildMs + emitMs), in turns, and the minimum over all repeats counts:
+// machines' speeds drift. Both must make the same fragments.
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -25,12 +26,19 @@ const folder = mkdtempSync(join(tmpdir(), 'shadowcut-'));
 // What make_scenes writes: `o`, `v` and `f`, and the light in the first line.
 function sceneOf(obj) {
   const scene = new shadowcut.Scene();
-  const at = obj.match(/light point:(\S+)/)[1].split(',').map(Number);
+  const at = obj
+    .match(/light point:(\S+)/)[1]
+    .split(',')
+    .map(Number);
   let base = 1;
   for (const part of obj.split(/^o .*\n/m).slice(1)) {
     const rows = part.split('\n').map((line) => line.split(' '));
-    const positions = rows.filter(([key]) => key === 'v').flatMap((row) => row.slice(1).map(Number));
-    const faces = rows.filter(([key]) => key === 'f').map((row) => row.slice(1).map((v) => Number(v) - base));
+    const positions = rows
+      .filter(([key]) => key === 'v')
+      .flatMap((row) => row.slice(1).map(Number));
+    const faces = rows
+      .filter(([key]) => key === 'f')
+      .map((row) => row.slice(1).map((v) => Number(v) - base));
     scene.add({ positions, faces });
     base += positions.length / 3;
   }
@@ -49,12 +57,19 @@ function here({ scene, light }, best) {
 }
 
 function native(name, best) {
-  const options = [`--benchmark_filter=^${name}/threads:1/`, `--benchmark_min_time=${seconds}`, '--benchmark_format=json'];
-  const text = execFileSync(join(bin, 'shadowcut_bench'), options, { stdio: ['ignore', 'pipe', 'ignore'] });
+  const options = [
+    `--benchmark_filter=^${name}/threads:1/`,
+    `--benchmark_min_time=${seconds}`,
+    '--benchmark_format=json',
+  ];
+  const text = execFileSync(join(bin, 'shadowcut_bench'), options, {
+    stdio: ['ignore', 'pipe', 'ignore'],
+  });
   const [row] = JSON.parse(text).benchmarks;
   best.native = Math.min(best.native, row.build_ms + row.emit_ms);
   const fragments = row.lit + row.shadowed;
-  if (fragments !== best.fragments) throw new Error(`${name}: ${best.fragments} fragments here, ${fragments} natively`);
+  if (fragments !== best.fragments)
+    throw new Error(`${name}: ${best.fragments} fragments here, ${fragments} natively`);
 }
 
 try {
@@ -63,9 +78,14 @@ try {
     execFileSync(join(bin, 'make_scenes'), [folder, name]);
     const scene = sceneOf(readFileSync(join(folder, `${name.replace(':', '')}.obj`), 'utf8'));
     const best = { web: Infinity, native: Infinity };
-    for (let turn = 0; turn < turns; ++turn) here(scene, best), native(name, best);
-    console.log(name.padEnd(15), String(best.fragments).padStart(10), best.native.toFixed(3).padStart(11), best.web.toFixed(3).padStart(12),
-      (best.web / best.native).toFixed(2).padStart(13));
+    for (let turn = 0; turn < turns; ++turn) (here(scene, best), native(name, best));
+    console.log(
+      name.padEnd(15),
+      String(best.fragments).padStart(10),
+      best.native.toFixed(3).padStart(11),
+      best.web.toFixed(3).padStart(12),
+      (best.web / best.native).toFixed(2).padStart(13),
+    );
     scene.scene.dispose();
   }
 } finally {

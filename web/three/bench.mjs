@@ -1,4 +1,5 @@
-// What an update costs: a desk of the furnished room, moved a thousand times by small steps. node bench.mjs [moves]
+// What an update costs: a desk of the furnished room, moved a thousand times by small steps. node
+// bench.mjs [moves]
 import { readFile } from 'node:fs/promises';
 import * as THREE from 'three';
 import { OBJLoader } from 'three/addons/loaders/OBJLoader.js';
@@ -21,7 +22,8 @@ function room(lamps) {
   }
   return scene;
 }
-const at = (sorted, share) => sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))];
+const at = (sorted, share) =>
+  sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))];
 const figures = (values) => {
   const sorted = Float64Array.from(values).sort();
   return `median ${at(sorted, 0.5).toFixed(3)}  p99 ${at(sorted, 0.99).toFixed(3)}  most ${at(sorted, 1).toFixed(3)}`;
@@ -47,7 +49,10 @@ for (const [name, lamps] of [['one lamp', [[5.3613, 3.7171, 2.43]]]]) {
     const done = shadows.update();
     const uploads = [shadows.mesh.geometry.attributes.position.data, shadows.mesh.geometry.index];
     if (i >= 100) {
-      (ms.push(done.ms), added.push(done.added), engineMs.push(done.engineMs), bytes.push(done.uploadedBytes / 1024));
+      (ms.push(done.ms),
+        added.push(done.added),
+        engineMs.push(done.engineMs),
+        bytes.push(done.uploadedBytes / 1024));
       ranges.push(uploads.reduce((sum, { updateRanges }) => sum + updateRanges.length, 0));
     }
     for (const each of uploads) each.clearUpdateRanges();

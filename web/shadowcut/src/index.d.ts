@@ -1,14 +1,22 @@
-// The engine's types. What the words mean (fragment, facet, side, reach, kernel, form) is said in include/shadowcut/*.hpp, once; the words
-// of enums are theirs in camelCase.
+// The engine's types. What the words mean (fragment, facet, side, reach, kernel, form) is said in
+// include/shadowcut/*.hpp, once; the words of enums are theirs in camelCase.
 //
-// Units and frame: one right-handed world frame in the caller's length unit; areas are that squared; angles are radians. Positions are
-// x, y, z one after another; a pose is sixteen numbers, row by row, local to world (three.js has columns: matrix.clone().transpose()).
+// Units and frame: one right-handed world frame in the caller's length unit; areas are that
+// squared; angles are radians. Positions are x, y, z one after another; a pose is sixteen numbers,
+// row by row, local to world (three.js has columns: matrix.clone().transpose()).
 //
-// Everything is handed out as a copy, unless it says otherwise. What has dispose() is to be disposed of; used afterwards it throws.
-// Every function throws ShadowcutError.
+// Everything is handed out as a copy, unless it says otherwise. What has dispose() is to be
+// disposed of; used afterwards it throws. Every function throws ShadowcutError.
 
 export type Status =
-  | 'INVALID_ARGUMENT' | 'REFUSED' | 'STALE' | 'FOREIGN' | 'NOT_FOUND' | 'OUT_OF_MEMORY' | 'MUST_COMPACT' | 'INTERNAL_ERROR';
+  | 'INVALID_ARGUMENT'
+  | 'REFUSED'
+  | 'STALE'
+  | 'FOREIGN'
+  | 'NOT_FOUND'
+  | 'OUT_OF_MEMORY'
+  | 'MUST_COMPACT'
+  | 'INTERNAL_ERROR';
 export class ShadowcutError extends Error {
   readonly status: Status;
   constructor(status: Status, message: string);
@@ -147,7 +155,14 @@ export interface Plane {
   tilt: number;
 }
 export type Reason =
-  | 'nonFinite' | 'indexOutOfRange' | 'tooFewCorners' | 'zeroArea' | 'selfIntersecting' | 'duplicate' | 'repeatedCorner' | 'notFlat';
+  | 'nonFinite'
+  | 'indexOutOfRange'
+  | 'tooFewCorners'
+  | 'zeroArea'
+  | 'selfIntersecting'
+  | 'duplicate'
+  | 'repeatedCorner'
+  | 'notFlat';
 export interface Issue {
   object: number;
   face: number;
@@ -183,7 +198,10 @@ export interface Scene extends Disposable {
   firstFace(id: ObjectId): number;
   light(id: LightId): Light;
   /** What add() takes to make the object again as it stands. */
-  given(id: ObjectId): { mesh: { positions: Float64Array; faces: number[][][] }; settings: Required<ObjectSettings> };
+  given(id: ObjectId): {
+    mesh: { positions: Float64Array; faces: number[][][] };
+    settings: Required<ObjectSettings>;
+  };
   /** Indices of the objects changed after a revision, the one changed longest ago first. */
   changedSince(revision: number): Uint32Array;
   // The scene flattened, in world coordinates: all, or `count` from `first` on.
@@ -299,7 +317,8 @@ export interface LightChanges {
   readonly goneCount: number;
   readonly addedCount: number;
   readonly areaCount: number;
-  // Copied when asked for, and known until the engine's next update: NOT_FOUND afterwards. Apply `gone` before `added`.
+  // Copied when asked for, and known until the engine's next update: NOT_FOUND afterwards. Apply
+  // `gone` before `added`.
   readonly gone: FragmentId[];
   readonly added: { id: FragmentId; index: number }[];
   readonly areas: { face: number; area: FaceArea }[];
@@ -339,7 +358,10 @@ export interface LightSets extends Disposable {
   readonly fragmentCount: number;
   /** 64-bit words of a fragment's set of lights. */
   readonly maskWords: number;
-  fragments(first?: number, count?: number): { face: number; facet: number; firstCorner: number; cornerCount: number }[];
+  fragments(
+    first?: number,
+    count?: number,
+  ): { face: number; facet: number; firstCorner: number; cornerCount: number }[];
   /** Light k reaches fragment i iff bit k%64 of masks[i*maskWords + k/64] is set. */
   readonly masks: BigUint64Array;
   readonly corners: Float64Array;
@@ -406,5 +428,8 @@ export interface Buffers extends Disposable {
   /** The same in a stream's elements: what three.js' BufferAttribute.addUpdateRange(start, count) takes. */
   changedRanges(name: keyof Streams): { start: number; count: number }[];
   /** Copies them to an array of the page's own, as long as the stream or longer, which no growth touches; and returns them. */
-  copyChanged(name: keyof Streams, target: Streams[keyof Streams]): { start: number; count: number }[];
+  copyChanged(
+    name: keyof Streams,
+    target: Streams[keyof Streams],
+  ): { start: number; count: number }[];
 }

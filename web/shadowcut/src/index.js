@@ -1,8 +1,9 @@
-// The engine in JavaScript: scenes, engines that follow them, their shadows, and vertex buffers that follow engines. A thin layer over c.h,
-// where every function is explained; index.d.ts says what the members here take and give.
+// The engine in JavaScript: scenes, engines that follow them, their shadows, and vertex buffers
+// that follow engines. A thin layer over c.h, where every function is explained; index.d.ts says
+// what the members here take and give.
 //
-// Memory of the module's is not JavaScript's: what was made by `new`, copy(), castShadows() or combined() is to be given back by dispose().
-// Nothing else does that.
+// Memory of the module's is not JavaScript's: what was made by `new`, copy(), castShadows() or
+// combined() is to be given back by dispose(). Nothing else does that.
 import { Module, ShadowcutError, numberOf } from './module.js';
 
 export { ShadowcutError };
@@ -37,8 +38,8 @@ export async function load(options) {
   });
 }
 
-// What the classes below have in common: an address in the module. One's own until it is disposed of; or lent, and then asked for at every
-// use, so that who lends it can refuse.
+// What the classes below have in common: an address in the module. One's own until it is disposed
+// of; or lent, and then asked for at every use, so that who lends it can refuse.
 class Handle {
   #at;
   #kind;
@@ -51,7 +52,8 @@ class Handle {
     return this.#at === 0;
   }
   get at() {
-    if (this.#at === 0) throw new ShadowcutError('INVALID_ARGUMENT', `the ${this.#kind} has been disposed of`);
+    if (this.#at === 0)
+      throw new ShadowcutError('INVALID_ARGUMENT', `the ${this.#kind} has been disposed of`);
     return typeof this.#at === 'function' ? this.#at() : this.#at;
   }
   // Twice does no harm; of what is lent it does nothing.
@@ -64,15 +66,22 @@ class Handle {
 
 // An argument that must be of a class, and of the same module.
 function addressOf(module, value, Class) {
-  if (!(value instanceof Class)) throw new ShadowcutError('INVALID_ARGUMENT', `an argument is not of class ${Class.name}`);
-  if (value.module !== module) throw new ShadowcutError('INVALID_ARGUMENT', `an argument is another module's ${Class.name}`);
+  if (!(value instanceof Class))
+    throw new ShadowcutError('INVALID_ARGUMENT', `an argument is not of class ${Class.name}`);
+  if (value.module !== module)
+    throw new ShadowcutError('INVALID_ARGUMENT', `an argument is another module's ${Class.name}`);
   return value.at;
 }
 
-// ---- Meshes, settings, lights: plain objects here ------------------------------------------------------------------------------------
+// ---- Meshes, settings, lights: plain objects here
+// ------------------------------------------------------------------------------------
 
 function putPositions(module, positions) {
-  if (!(positions?.length % 3 === 0)) throw new ShadowcutError('INVALID_ARGUMENT', 'positions must be numbers, three for each vertex');
+  if (!(positions?.length % 3 === 0))
+    throw new ShadowcutError(
+      'INVALID_ARGUMENT',
+      'positions must be numbers, three for each vertex',
+    );
   const single = positions instanceof Float32Array;
   const at = module.putArray(positions, single ? Float32Array : Float64Array);
   return { at, count: positions.length / 3, suffix: single ? '_float' : '' };
@@ -94,8 +103,14 @@ function withMesh(module, { positions, indices, cornerCounts, faces }, body) {
   });
 }
 function addFaces(module, mesh, indices, cornerCounts) {
-  const total = cornerCounts ? cornerCounts.reduce((a, b) => a + b, 0) : 3 * Math.floor(indices.length / 3);
-  if (total !== indices.length) throw new ShadowcutError('INVALID_ARGUMENT', 'there must be as many indices as the faces have corners');
+  const total = cornerCounts
+    ? cornerCounts.reduce((a, b) => a + b, 0)
+    : 3 * Math.floor(indices.length / 3);
+  if (total !== indices.length)
+    throw new ShadowcutError(
+      'INVALID_ARGUMENT',
+      'there must be as many indices as the faces have corners',
+    );
   const at = module.putArray(indices, Uint32Array);
   const counts = cornerCounts ? module.putArray(cornerCounts, Int32Array) : 0;
   module.call('mesh_add_faces', mesh, at, counts, cornerCounts ? cornerCounts.length : total / 3);
@@ -104,7 +119,14 @@ function addFaces(module, mesh, indices, cornerCounts) {
 function addFace(module, mesh, face) {
   const loops = typeof face[0] === 'number' ? [face] : face;
   loops.forEach((loop, k) => {
-    module.within(() => module.call(k === 0 ? 'mesh_add_face' : 'mesh_add_hole', mesh, module.putArray(loop, Uint32Array), loop.length));
+    module.within(() =>
+      module.call(
+        k === 0 ? 'mesh_add_face' : 'mesh_add_hole',
+        mesh,
+        module.putArray(loop, Uint32Array),
+        loop.length,
+      ),
+    );
   });
 }
 function readMesh(module, mesh) {
@@ -121,18 +143,23 @@ function readMesh(module, mesh) {
 
 // {kind, at, range, spot: {axis, halfAngle}, name} and what c.h makes of it.
 function putLight(module, { spot, ...light }) {
-  return module.put('light', spot ? { ...light, hasSpot: true, spotAxis: spot.axis, spotHalfAngle: spot.halfAngle } : light);
+  return module.put(
+    'light',
+    spot ? { ...light, hasSpot: true, spotAxis: spot.axis, spotHalfAngle: spot.halfAngle } : light,
+  );
 }
 function lightOf({ hasSpot, spotAxis, spotHalfAngle, ...light }) {
   return { ...light, spot: hasSpot ? { axis: spotAxis, halfAngle: spotHalfAngle } : undefined };
 }
 
 const putPose = (module, pose) => {
-  if (pose?.length !== 16) throw new ShadowcutError('INVALID_ARGUMENT', 'a pose must have sixteen numbers, row by row');
+  if (pose?.length !== 16)
+    throw new ShadowcutError('INVALID_ARGUMENT', 'a pose must have sixteen numbers, row by row');
   return module.putArray(pose, Float64Array);
 };
 
-// ---- Scenes --------------------------------------------------------------------------------------------------------------------------
+// ---- Scenes
+// --------------------------------------------------------------------------------------------------------------------------
 
 class Scene extends Handle {
   constructor(module, at) {
@@ -148,7 +175,13 @@ class Scene extends Handle {
   add(mesh, settings) {
     const { module } = this;
     return withMesh(module, mesh, (at) =>
-      module.struct('objectId', 'scene_add_object', this.at, at, module.put('objectSettings', settings)),
+      module.struct(
+        'objectId',
+        'scene_add_object',
+        this.at,
+        at,
+        module.put('objectSettings', settings),
+      ),
     );
   }
   remove(id) {
@@ -176,7 +209,9 @@ class Scene extends Handle {
 
   addLight(light) {
     const { module } = this;
-    return module.within(() => module.struct('lightId', 'scene_add_light', this.at, putLight(module, light)));
+    return module.within(() =>
+      module.struct('lightId', 'scene_add_light', this.at, putLight(module, light)),
+    );
   }
   removeLight(id) {
     const { module } = this;
@@ -184,13 +219,20 @@ class Scene extends Handle {
   }
   setLight(id, light) {
     const { module } = this;
-    module.within(() => module.call('scene_set_light', this.at, module.putId(id), putLight(module, light)));
+    module.within(() =>
+      module.call('scene_set_light', this.at, module.putId(id), putLight(module, light)),
+    );
   }
   replaceLights(lights) {
     const { module } = this;
     module.within(() => {
       const places = lights.map((light) => putLight(module, light));
-      module.call('scene_replace_lights', this.at, module.putArray(places, Uint32Array), places.length);
+      module.call(
+        'scene_replace_lights',
+        this.at,
+        module.putArray(places, Uint32Array),
+        places.length,
+      );
     });
   }
 
@@ -217,16 +259,21 @@ class Scene extends Handle {
   }
   firstFace(id) {
     const { module } = this;
-    return module.within(() => module.member('object', 'firstFace', 'scene_object', this.at, module.putId(id)));
+    return module.within(() =>
+      module.member('object', 'firstFace', 'scene_object', this.at, module.putId(id)),
+    );
   }
   light(id) {
     const { module } = this;
-    return lightOf(module.within(() => module.struct('light', 'scene_light', this.at, module.putId(id))));
+    return lightOf(
+      module.within(() => module.struct('light', 'scene_light', this.at, module.putId(id))),
+    );
   }
   given(id) {
     const { module } = this;
     return module.within(() => {
-      const mesh = module.take(4), settings = module.begin('objectSettings');
+      const mesh = module.take(4),
+        settings = module.begin('objectSettings');
       module.call('scene_given', this.at, module.putId(id), mesh, settings);
       const at = module.data.getUint32(mesh, true);
       try {
@@ -271,12 +318,16 @@ class Scene extends Handle {
   }
 }
 
-// ---- Shadows of one light ------------------------------------------------------------------------------------------------------------
+// ---- Shadows of one light
+// ------------------------------------------------------------------------------------------------------------
 
 function castShadows(module, scene, light, options) {
   return module.within(() => {
     const at = addressOf(module, scene, Scene);
-    return new Shadows(module, module.value('cast_shadows', at, putLight(module, light), module.put('options', options)));
+    return new Shadows(
+      module,
+      module.value('cast_shadows', at, putLight(module, light), module.put('options', options)),
+    );
   });
 }
 
@@ -297,7 +348,11 @@ class Shadows extends Handle {
     const [xyz, count] = this.module.values(2, 'shadows_corners', this.at, block);
     return this.module.array(Float64Array, xyz, 3 * count).slice();
   }
-  constructions(block, first = 0, count = this.module.value('shadows_construction_count', this.at, block) - first) {
+  constructions(
+    block,
+    first = 0,
+    count = this.module.value('shadows_construction_count', this.at, block) - first,
+  ) {
     return this.module.list('construction', first, count, 'shadows_constructions', this.at, block);
   }
   areas(first = 0, count = this.module.value('shadows_area_count', this.at) - first) {
@@ -308,12 +363,17 @@ class Shadows extends Handle {
   }
 }
 
-// ---- Engines -------------------------------------------------------------------------------------------------------------------------
+// ---- Engines
+// -------------------------------------------------------------------------------------------------------------------------
 
 class Engine extends Handle {
   constructor(module, scene, options) {
     const followed = addressOf(module, scene, Scene);
-    super(module, module.within(() => module.value('engine_create', followed, module.put('options', options))), 'engine');
+    super(
+      module,
+      module.within(() => module.value('engine_create', followed, module.put('options', options))),
+      'engine',
+    );
   }
   update() {
     this.module.call('engine_update', this.at);
@@ -330,7 +390,13 @@ class Engine extends Handle {
   get changes() {
     const changes = this.module.struct('changes', 'engine_changes', this.at);
     const { lightCount, ...rest } = changes;
-    return { ...rest, lights: Array.from({ length: lightCount }, (_, i) => new LightChanges(this, changes.update, i)) };
+    return {
+      ...rest,
+      lights: Array.from(
+        { length: lightCount },
+        (_, i) => new LightChanges(this, changes.update, i),
+      ),
+    };
   }
   get mustCompact() {
     try {
@@ -358,7 +424,9 @@ class Engine extends Handle {
   find(light, id) {
     const { module } = this;
     try {
-      return module.within(() => module.struct('fragment', 'engine_find', this.at, light, module.put('fragmentId', id)));
+      return module.within(() =>
+        module.struct('fragment', 'engine_find', this.at, light, module.put('fragmentId', id)),
+      );
     } catch (error) {
       if (error.status === 'NOT_FOUND') return undefined;
       throw error;
@@ -376,7 +444,16 @@ class Engine extends Handle {
     const { module } = this;
     if (!faces) return new LightSets(module, module.value('engine_combined', this.at));
     return module.within(
-      () => new LightSets(module, module.value('engine_combined_faces', this.at, module.putArray(faces, Uint32Array), faces.length)),
+      () =>
+        new LightSets(
+          module,
+          module.value(
+            'engine_combined_faces',
+            this.at,
+            module.putArray(faces, Uint32Array),
+            faces.length,
+          ),
+        ),
     );
   }
   validate() {
@@ -384,14 +461,20 @@ class Engine extends Handle {
   }
 }
 
-// What an update did to one light's shadows. The lists are the engine's, and copied when they are asked for: before its next update.
+// What an update did to one light's shadows. The lists are the engine's, and copied when they are
+// asked for: before its next update.
 class LightChanges {
   #engine;
   #update;
   #i;
   #counts;
   constructor(engine, update, i) {
-    const { goneCount, addedCount, areaCount, ...rest } = engine.module.struct('lightChanges', 'engine_light_changes', engine.at, i);
+    const { goneCount, addedCount, areaCount, ...rest } = engine.module.struct(
+      'lightChanges',
+      'engine_light_changes',
+      engine.at,
+      i,
+    );
     this.#engine = engine;
     this.#update = update;
     this.#i = i;
@@ -410,13 +493,17 @@ class LightChanges {
   #list(kind, count, name) {
     const { module, at } = this.#engine;
     if (module.struct('changes', 'engine_changes', at).update !== this.#update) {
-      throw new ShadowcutError('NOT_FOUND', 'the engine has been updated since: it no longer knows these changes');
+      throw new ShadowcutError(
+        'NOT_FOUND',
+        'the engine has been updated since: it no longer knows these changes',
+      );
     }
     return module.list(kind, 0, count, name, at, this.#i);
   }
 }
 
-// ---- Several lights ------------------------------------------------------------------------------------------------------------------
+// ---- Several lights
+// ------------------------------------------------------------------------------------------------------------------
 
 class LightSets extends Handle {
   constructor(module, at) {
@@ -433,7 +520,9 @@ class LightSets extends Handle {
   }
   get masks() {
     const [count, words] = this.module.values(2, 'light_sets_count', this.at);
-    return this.module.array(BigUint64Array, this.module.value('light_sets_masks', this.at), count * words).slice();
+    return this.module
+      .array(BigUint64Array, this.module.value('light_sets_masks', this.at), count * words)
+      .slice();
   }
   get corners() {
     const [xyz, count] = this.module.values(2, 'light_sets_corners', this.at);
@@ -441,7 +530,8 @@ class LightSets extends Handle {
   }
 }
 
-// ---- Vertex buffers that follow an engine --------------------------------------------------------------------------------------------
+// ---- Vertex buffers that follow an engine
+// --------------------------------------------------------------------------------------------
 
 const elements = {
   positions: Float32Array,
@@ -458,7 +548,13 @@ class Buffers extends Handle {
   #info = null; // until the next change
   constructor(module, light, layout) {
     const index = light === 'all' ? none : light;
-    super(module, module.within(() => module.value('buffers_create', index, module.put('bufferLayout', layout))), 'buffers');
+    super(
+      module,
+      module.within(() =>
+        module.value('buffers_create', index, module.put('bufferLayout', layout)),
+      ),
+      'buffers',
+    );
     this.#doubles = layout?.doubles === true;
   }
   update(engine) {
@@ -469,37 +565,63 @@ class Buffers extends Handle {
     const { module } = this;
     this.#info = null;
     const from = addressOf(module, scene, Scene);
-    if (shadows instanceof LightSets) module.call('buffers_fill_sets', this.at, from, addressOf(module, shadows, LightSets));
+    if (shadows instanceof LightSets)
+      module.call('buffers_fill_sets', this.at, from, addressOf(module, shadows, LightSets));
     else module.call('buffers_fill', this.at, from, addressOf(module, shadows, Shadows));
   }
   setOrigin(origin) {
     const { module } = this;
-    if (origin?.length !== 3) throw new ShadowcutError('INVALID_ARGUMENT', 'an origin must have three numbers');
+    if (origin?.length !== 3)
+      throw new ShadowcutError('INVALID_ARGUMENT', 'an origin must have three numbers');
     this.#info = null;
-    module.within(() => module.call('buffers_set_origin', this.at, module.putArray(origin, Float64Array)));
+    module.within(() =>
+      module.call('buffers_set_origin', this.at, module.putArray(origin, Float64Array)),
+    );
   }
   get info() {
     const { at } = this; // throws where there is nothing any more
-    return (this.#info ??= Object.freeze(this.module.struct('buffersInfo', 'buffers_get_info', at)));
+    return (this.#info ??= Object.freeze(
+      this.module.struct('buffersInfo', 'buffers_get_info', at),
+    ));
   }
 
-  // The stream where it is in the module's memory. A view dies with the buffers' next change, and with the memory's growth.
+  // The stream where it is in the module's memory. A view dies with the buffers' next change, and
+  // with the memory's growth.
   stream(name) {
     const Kind = name === 'positions' && this.#doubles ? Float64Array : elements[name];
     const { vertexCapacity, indexCapacity } = this.info;
     const [at, bytes] = this.module.values(2, 'buffers_stream', this.at, numberOf('stream', name));
-    return this.module.array(Kind, at, ((name === 'indices' ? indexCapacity : vertexCapacity) * bytes) / Kind.BYTES_PER_ELEMENT);
+    return this.module.array(
+      Kind,
+      at,
+      ((name === 'indices' ? indexCapacity : vertexCapacity) * bytes) / Kind.BYTES_PER_ELEMENT,
+    );
   }
   // Elements for each vertex, or index.
   itemSize(name) {
     const Kind = name === 'positions' && this.#doubles ? Float64Array : elements[name];
-    return this.module.values(2, 'buffers_stream', this.at, numberOf('stream', name))[1] / Kind.BYTES_PER_ELEMENT;
+    return (
+      this.module.values(2, 'buffers_stream', this.at, numberOf('stream', name))[1] /
+      Kind.BYTES_PER_ELEMENT
+    );
   }
   get changedVertices() {
-    return this.module.list('range', 0, this.info.changedVertexRanges, 'buffers_changed_vertices', this.at);
+    return this.module.list(
+      'range',
+      0,
+      this.info.changedVertexRanges,
+      'buffers_changed_vertices',
+      this.at,
+    );
   }
   get changedIndices() {
-    return this.module.list('range', 0, this.info.changedIndexRanges, 'buffers_changed_indices', this.at);
+    return this.module.list(
+      'range',
+      0,
+      this.info.changedIndexRanges,
+      'buffers_changed_indices',
+      this.at,
+    );
   }
   // The same as numbers, first and count of each: an array and no more, however many there are.
   get changedVertexNumbers() {
@@ -516,17 +638,23 @@ class Buffers extends Handle {
       return module.array(Uint32Array, at, 2 * count).slice();
     });
   }
-  // What the last update changed of a stream, as ranges of its elements: three.js' addUpdateRange(start, count).
+  // What the last update changed of a stream, as ranges of its elements: three.js'
+  // addUpdateRange(start, count).
   changedRanges(name) {
     const size = this.itemSize(name);
     const ranges = name === 'indices' ? this.changedIndices : this.changedVertices;
     return ranges.map(({ first, count }) => ({ start: first * size, count: count * size }));
   }
-  // Copies these ranges to an array of the page's own, which must have room for all of the stream; and returns them.
+  // Copies these ranges to an array of the page's own, which must have room for all of the stream;
+  // and returns them.
   copyChanged(name, target) {
     const ranges = this.changedRanges(name);
     const stream = this.stream(name);
-    if (target.length < stream.length) throw new ShadowcutError('INVALID_ARGUMENT', `the ${name} have grown: make a new array of their length`);
+    if (target.length < stream.length)
+      throw new ShadowcutError(
+        'INVALID_ARGUMENT',
+        `the ${name} have grown: make a new array of their length`,
+      );
     for (const { start, count } of ranges) target.set(stream.subarray(start, start + count), start);
     return ranges;
   }

@@ -1,4 +1,5 @@
-// The WebAssembly module and its memory: how numbers, arrays, texts and structs go in and out, and how a status becomes an exception.
+// The WebAssembly module and its memory: how numbers, arrays, texts and structs go in and out, and
+// how a status becomes an exception.
 import { enums, status as statuses, structs } from '../dist/interface.js';
 
 const page = 65536;
@@ -15,23 +16,38 @@ export class ShadowcutError extends Error {
 
 async function compiled({ wasmBinary, wasmUrl }) {
   if (wasmBinary) return WebAssembly.compile(wasmBinary);
-  const url = new URL(wasmUrl ?? new URL('../dist/shadowcut.wasm', import.meta.url), globalThis.location?.href);
-  if (url.protocol === 'file:') return WebAssembly.compile(await (await import(/* @vite-ignore */ 'node:fs/promises')).readFile(url));
+  const url = new URL(
+    wasmUrl ?? new URL('../dist/shadowcut.wasm', import.meta.url),
+    globalThis.location?.href,
+  );
+  if (url.protocol === 'file:')
+    return WebAssembly.compile(
+      await (await import(/* @vite-ignore */ 'node:fs/promises')).readFile(url),
+    );
   const response = await fetch(url);
-  if (!response.ok) throw new ShadowcutError('NOT_FOUND', `${url}: ${response.status} ${response.statusText}`);
+  if (!response.ok)
+    throw new ShadowcutError('NOT_FOUND', `${url}: ${response.status} ${response.statusText}`);
   // While it arrives, where the server says what it is.
-  if (response.headers.get('content-type') === 'application/wasm') return WebAssembly.compileStreaming(response);
+  if (response.headers.get('content-type') === 'application/wasm')
+    return WebAssembly.compileStreaming(response);
   return WebAssembly.compile(await response.arrayBuffer());
 }
 
 const decoder = new TextDecoder();
-const names = Object.entries(statuses).reduce((list, [name, number]) => ((list[number] = name), list), []);
+const names = Object.entries(statuses).reduce(
+  (list, [name, number]) => ((list[number] = name), list),
+  [],
+);
 
 export class Module {
   static async load(options = {}) {
-    const pages = options.maximumMemory === undefined ? most : Math.floor(options.maximumMemory / page);
+    const pages =
+      options.maximumMemory === undefined ? most : Math.floor(options.maximumMemory / page);
     if (!(pages >= initial && pages <= most)) {
-      throw new ShadowcutError('INVALID_ARGUMENT', `maximumMemory must be between ${initial * page} and ${most * page} bytes`);
+      throw new ShadowcutError(
+        'INVALID_ARGUMENT',
+        `maximumMemory must be between ${initial * page} and ${most * page} bytes`,
+      );
     }
     const memory = new WebAssembly.Memory({ initial, maximum: pages });
     const instance = await WebAssembly.instantiate(await compiled(options), surroundings(memory));
@@ -48,7 +64,8 @@ export class Module {
     this.room = functions.malloc(this.roomSize) >>> 0;
     this.used = 0;
     this.lent = []; // what did not fit
-    this.inits = new Map(); // by kind of struct: the function that sets it; null where there is none
+    // by kind of struct: the function that sets it; null where there is none
+    this.inits = new Map();
   }
 
   get buffer() {
@@ -105,7 +122,8 @@ export class Module {
   // Calls a function of c.h that returns a status.
   call(name, ...args) {
     const status = this.c[`shadowcut_${name}`](...args);
-    if (status !== 0) throw new ShadowcutError(names[status], this.text(this.c.shadowcut_message()));
+    if (status !== 0)
+      throw new ShadowcutError(names[status], this.text(this.c.shadowcut_message()));
   }
   // The same, and what it hands out through `count` last parameters of 32 bits each.
   values(count, name, ...args) {
@@ -160,19 +178,25 @@ export class Module {
   begin(kind) {
     const at = this.take(structs[kind].size);
     let init = this.inits.get(kind);
-    if (init === undefined) this.inits.set(kind, (init = this.c[`shadowcut_${snake(kind)}_init`] ? `${snake(kind)}_init` : null));
+    if (init === undefined)
+      this.inits.set(
+        kind,
+        (init = this.c[`shadowcut_${snake(kind)}_init`] ? `${snake(kind)}_init` : null),
+      );
     if (init !== null) this.call(init, at);
     return at;
   }
   read(kind, at) {
     const out = {};
     for (const member of structs[kind].members) {
-      if (member.name !== 'size') out[member.name] = this.readMember(member, at + member.offset, member.shape);
+      if (member.name !== 'size')
+        out[member.name] = this.readMember(member, at + member.offset, member.shape);
     }
     return out;
   }
   readMember(member, at, shape) {
-    if (shape.length === 1 && member.is === 'double') return Array.from(this.array(Float64Array, at, shape[0]));
+    if (shape.length === 1 && member.is === 'double')
+      return Array.from(this.array(Float64Array, at, shape[0]));
     if (shape.length > 0) {
       const [count, ...rest] = shape;
       const step = member.size * rest.reduce((a, b) => a * b, 1);
@@ -197,7 +221,8 @@ export class Module {
     }
   }
 
-  // A struct with these members, and what its *_init function says for all others. Throws for members that there are not.
+  // A struct with these members, and what its *_init function says for all others. Throws for
+  // members that there are not.
   put(kind, values = {}) {
     const at = this.begin(kind);
     const { members } = structs[kind];
@@ -208,9 +233,11 @@ export class Module {
     }
     return at;
   }
-  // The id of an object or a light: as put() would, without looking for names, because edits come every frame.
+  // The id of an object or a light: as put() would, without looking for names, because edits come
+  // every frame.
   putId(id) {
-    if (typeof id?.index !== 'number') throw new ShadowcutError('INVALID_ARGUMENT', 'an argument is not an id');
+    if (typeof id?.index !== 'number')
+      throw new ShadowcutError('INVALID_ARGUMENT', 'an argument is not an id');
     const at = this.take(12);
     const { data } = this;
     data.setUint32(at, id.index, true);
@@ -221,7 +248,8 @@ export class Module {
   writeMember(member, at, value) {
     if (member.shape.length > 0) {
       const [count] = member.shape;
-      if (value?.length !== count) throw new ShadowcutError('INVALID_ARGUMENT', `${member.name} must have ${count} numbers`);
+      if (value?.length !== count)
+        throw new ShadowcutError('INVALID_ARGUMENT', `${member.name} must have ${count} numbers`);
       this.array(Float64Array, at, count).set(value);
       return;
     }
@@ -246,19 +274,28 @@ export class Module {
 
 export function numberOf(kind, word) {
   const number = enums[kind].indexOf(word);
-  if (number < 0) throw new ShadowcutError('INVALID_ARGUMENT', `${kind} must be one of ${enums[kind].join(', ')}, and is ${word}`);
+  if (number < 0)
+    throw new ShadowcutError(
+      'INVALID_ARGUMENT',
+      `${kind} must be one of ${enums[kind].join(', ')}, and is ${word}`,
+    );
   return number;
 }
 
 const snake = (name) => name.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`);
 
-// All that the module asks for: its memory, a steady clock, and what is to happen when the C library gives up.
+// All that the module asks for: its memory, a steady clock, and what is to happen when the C
+// library gives up.
 function surroundings(memory) {
   return {
     env: { memory, emscripten_notify_memory_growth() {} },
     wasi_snapshot_preview1: {
       clock_time_get(clock, precision, at) {
-        new DataView(memory.buffer).setBigUint64(at >>> 0, BigInt(Math.round(performance.now() * 1e6)), true);
+        new DataView(memory.buffer).setBigUint64(
+          at >>> 0,
+          BigInt(Math.round(performance.now() * 1e6)),
+          true,
+        );
         return 0;
       },
       proc_exit(code) {

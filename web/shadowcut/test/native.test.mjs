@@ -1,5 +1,5 @@
-// The same scenes and edits as the native engine had (tests/web_reference.cpp wrote what it made of them): the same fragments, the same
-// areas, to the last bit.
+// The same scenes and edits as the native engine had (tests/web_reference.cpp wrote what it made of
+// them): the same fragments, the same areas, to the last bit.
 //
 //   SHADOWCUT_REFERENCE=reference.json node --test native.test.mjs
 import assert from 'node:assert/strict';
@@ -14,20 +14,26 @@ const bits = new DataView(new ArrayBuffer(8));
 function hashOf(fragment, corners) {
   let hash = 2166136261;
   const add = (word) => (hash = Math.imul(hash ^ word, 16777619));
-  add(fragment.face), add(0), add(fragment.lit ? 1 : 0), add(0);
-  for (let k = 3 * fragment.firstCorner; k < 3 * (fragment.firstCorner + fragment.cornerCount); ++k) {
+  (add(fragment.face), add(0), add(fragment.lit ? 1 : 0), add(0));
+  for (
+    let k = 3 * fragment.firstCorner;
+    k < 3 * (fragment.firstCorner + fragment.cornerCount);
+    ++k
+  ) {
     bits.setFloat64(0, corners[k], true);
-    add(bits.getUint32(0, true)), add(bits.getUint32(4, true));
+    (add(bits.getUint32(0, true)), add(bits.getUint32(4, true)));
   }
   return hash;
 }
 
 function stateOf(engine, light) {
   const shadows = engine.shadows(light);
-  let fragments = 0, hashes = 0;
+  let fragments = 0,
+    hashes = 0;
   for (let block = 0; block < shadows.blockCount; ++block) {
     const corners = shadows.corners(block);
-    for (const fragment of shadows.fragments(block)) hashes = (hashes + hashOf(fragment, corners)) >>> 0, ++fragments;
+    for (const fragment of shadows.fragments(block))
+      ((hashes = (hashes + hashOf(fragment, corners)) >>> 0), ++fragments);
   }
   const areas = shadows.areas().flatMap(({ lit, shadowed }) => [lit, shadowed]);
   const undecided = engine.undecided(light).reduce((a, b) => a + b, 0);
@@ -35,7 +41,8 @@ function stateOf(engine, light) {
 }
 
 function apply(scene, ids, objects, step) {
-  if (step.add !== undefined) ids[step.add] = scene.add(objects[step.add].mesh, objects[step.add].settings);
+  if (step.add !== undefined)
+    ids[step.add] = scene.add(objects[step.add].mesh, objects[step.add].settings);
   else if (step.remove !== undefined) scene.remove(ids[step.remove]);
   else if (step.light) scene.setLight(scene.lightId(0), step.light);
   else if (step.casts !== undefined) {
@@ -60,7 +67,10 @@ for (const { name, kernel, objects, lights, steps } of histories) {
         const { undecided, ...here } = stateOf(engine, light);
         const { undecided: _, ...there } = native;
         assert.deepEqual(here, there, `after edit ${k}, light ${light}`);
-        assert.ok(Math.abs(undecided - native.undecided) <= 1e-9 * native.undecided, `undecided after edit ${k}, light ${light}`);
+        assert.ok(
+          Math.abs(undecided - native.undecided) <= 1e-9 * native.undecided,
+          `undecided after edit ${k}, light ${light}`,
+        );
       });
     });
     engine.dispose();

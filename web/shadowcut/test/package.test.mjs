@@ -1,4 +1,5 @@
-// The package by itself: what it exports, how large it is, buffers that follow random edits, errors, and memory that runs out.
+// The package by itself: what it exports, how large it is, buffers that follow random edits,
+// errors, and memory that runs out.
 import assert from 'node:assert/strict';
 import { once } from 'node:events';
 import { readFileSync, readdirSync } from 'node:fs';
@@ -11,10 +12,45 @@ import { ShadowcutError, load, none } from '../src/index.js';
 const shadowcut = await load();
 
 const box = ([x, y, z], [w, d, h]) => ({
-  positions: [x, y, z, x + w, y, z, x + w, y + d, z, x, y + d, z, x, y, z + h, x + w, y, z + h, x + w, y + d, z + h, x, y + d, z + h],
-  faces: [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
+  positions: [
+    x,
+    y,
+    z,
+    x + w,
+    y,
+    z,
+    x + w,
+    y + d,
+    z,
+    x,
+    y + d,
+    z,
+    x,
+    y,
+    z + h,
+    x + w,
+    y,
+    z + h,
+    x + w,
+    y + d,
+    z + h,
+    x,
+    y + d,
+    z + h,
+  ],
+  faces: [
+    [3, 2, 1, 0],
+    [4, 5, 6, 7],
+    [0, 1, 5, 4],
+    [1, 2, 6, 5],
+    [2, 3, 7, 6],
+    [3, 0, 4, 7],
+  ],
 });
-const square = (side, z) => ({ positions: [0, 0, z, side, 0, z, side, side, z, 0, side, z], faces: [[0, 1, 2, 3]] });
+const square = (side, z) => ({
+  positions: [0, 0, z, side, 0, z, side, side, z, 0, side, z],
+  faces: [[0, 1, 2, 3]],
+});
 const at = (x, y, z) => [1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z, 0, 0, 0, 1];
 
 // Mulberry32.
@@ -31,7 +67,9 @@ function smallTown(next, houses) {
   const scene = new shadowcut.Scene();
   scene.add(square(20, 0));
   const ids = Array.from({ length: houses }, () =>
-    scene.add(box([0, 0, 0], [1 + next(), 1 + next(), 1 + 3 * next()]), { pose: at(18 * next(), 18 * next(), 0) }),
+    scene.add(box([0, 0, 0], [1 + next(), 1 + next(), 1 + 3 * next()]), {
+      pose: at(18 * next(), 18 * next(), 0),
+    }),
   );
   scene.addLight({ at: [10, 10, 12] });
   scene.addLight({ kind: 'directional', at: [0.3, -0.4, -1] });
@@ -39,17 +77,29 @@ function smallTown(next, houses) {
 }
 
 const fails = (status, body) =>
-  assert.throws(body, (error) => error instanceof ShadowcutError && error.status === status && error.message.length > 0);
+  assert.throws(
+    body,
+    (error) =>
+      error instanceof ShadowcutError && error.status === status && error.message.length > 0,
+  );
 
 test('the module exports the functions of c.h, and JavaScript uses each of them', async () => {
-  const module = await WebAssembly.compile(readFileSync(new URL('../dist/shadowcut.wasm', import.meta.url)));
-  const exported = WebAssembly.Module.exports(module).map(({ name }) => name).filter((name) => name.startsWith('shadowcut_'));
+  const module = await WebAssembly.compile(
+    readFileSync(new URL('../dist/shadowcut.wasm', import.meta.url)),
+  );
+  const exported = WebAssembly.Module.exports(module)
+    .map(({ name }) => name)
+    .filter((name) => name.startsWith('shadowcut_'));
   assert.deepEqual([...exported].sort(), [...functions].sort());
-  const source = ['index.js', 'module.js'].map((name) => readFileSync(new URL(`../src/${name}`, import.meta.url), 'utf8')).join('');
+  const source = ['index.js', 'module.js']
+    .map((name) => readFileSync(new URL(`../src/${name}`, import.meta.url), 'utf8'))
+    .join('');
   // Named otherwise: made of a class' name, of a struct's, or with a suffix.
   const made = /_destroy$|_init$|_float$|^(scene_(remove_object|set_\w+)|mesh_set_vertices)$/;
   // Exceptions carry the name of their status.
-  const unused = functions.map((name) => name.slice(10)).filter((name) => !made.test(name) && !source.includes(name));
+  const unused = functions
+    .map((name) => name.slice(10))
+    .filter((name) => !made.test(name) && !source.includes(name));
   assert.deepEqual(unused, ['status_name']);
 });
 
@@ -57,7 +107,10 @@ test('WebAssembly and JavaScript come to less than 400 kB gzipped', () => {
   let size = 0;
   for (const folder of ['../dist/', '../src/']) {
     for (const name of readdirSync(new URL(folder, import.meta.url))) {
-      if (!name.endsWith('.ts')) size += gzipSync(readFileSync(new URL(folder + name, import.meta.url)), { level: 9 }).length;
+      if (!name.endsWith('.ts'))
+        size += gzipSync(readFileSync(new URL(folder + name, import.meta.url)), {
+          level: 9,
+        }).length;
     }
   }
   console.log(`${size} bytes`);
@@ -81,7 +134,8 @@ test('buffers kept from changed ranges are the whole buffers, through 200 edits'
   ];
   for (let edit = 0; edit < 200; ++edit) {
     const id = ids[Math.floor(next() * ids.length)];
-    if (next() < 0.1) scene.setLight(scene.lightId(0), { at: [20 * next(), 20 * next(), 8 + 4 * next()] });
+    if (next() < 0.1)
+      scene.setLight(scene.lightId(0), { at: [20 * next(), 20 * next(), 8 + 4 * next()] });
     else if (next() < 0.2) scene.setCasts(id, next() < 0.5);
     else scene.setPose(id, at(18 * next(), 18 * next(), 2 * next()));
     engine.update();
@@ -93,7 +147,11 @@ test('buffers kept from changed ranges are the whole buffers, through 200 edits'
         if (grown) mirror[name] = new stream.constructor(stream.length);
         buffers.copyChanged(name, mirror[name]);
         const count = (name === 'indices' ? indexCount : vertexCount) * buffers.itemSize(name);
-        assert.deepEqual(mirror[name].subarray(0, count), buffers.stream(name).slice(0, count), `${name} after edit ${edit}, seed 1`);
+        assert.deepEqual(
+          mirror[name].subarray(0, count),
+          buffers.stream(name).slice(0, count),
+          `${name} after edit ${edit}, seed 1`,
+        );
       }
     }
   }
@@ -107,7 +165,9 @@ test('buffers kept from changed ranges are the whole buffers, through 200 edits'
   assert.equal(sets.masks.length, sets.fragmentCount * sets.maskWords);
   assert.ok(engine.combined([0]).fragmentCount < sets.fragmentCount);
   engine.validate();
-  [sets, engine, scene, ...followers.map(({ buffers }) => buffers)].forEach((each) => each.dispose());
+  [sets, engine, scene, ...followers.map(({ buffers }) => buffers)].forEach((each) =>
+    each.dispose(),
+  );
 });
 
 test('it runs in a worker', async () => {
@@ -131,14 +191,19 @@ test('what changed is what there is', () => {
     for (const change of changes.lights) {
       if (change.rebuilt) known[change.light].clear();
       for (const id of change.gone) known[change.light].delete(key(id));
-      for (const { id } of change.added) known[change.light].set(key(id), engine.find(change.light, id));
-      for (const { face, area } of change.areas) assert.deepEqual(engine.shadows(change.light).areas(face, 1)[0], area);
+      for (const { id } of change.added)
+        known[change.light].set(key(id), engine.find(change.light, id));
+      for (const { face, area } of change.areas)
+        assert.deepEqual(engine.shadows(change.light).areas(face, 1)[0], area);
     }
     for (const light of [0, 1]) {
       const shadows = engine.shadows(light);
-      const all = Array.from({ length: shadows.blockCount }, (_, block) => shadows.fragments(block)).flat();
+      const all = Array.from({ length: shadows.blockCount }, (_, block) =>
+        shadows.fragments(block),
+      ).flat();
       assert.equal(known[light].size, all.length);
-      for (const fragment of all) assert.equal(known[light].get(key(fragment.id)).area, fragment.area);
+      for (const fragment of all)
+        assert.equal(known[light].get(key(fragment.id)).area, fragment.area);
       assert.equal(shadows.constructions(0).length, shadows.corners(0).length / 3);
     }
   }
@@ -153,29 +218,86 @@ test('what changed is what there is', () => {
 
 test('what a scene was given it gives back', () => {
   const scene = new shadowcut.Scene();
-  const positions = Float64Array.of(0, 0, 0, 4, 0, 0, 4, 4, 0, 0, 4, 0, 1, 1, 0, 2, 1, 0, 2, 2, 0, 1, 2, 0);
-  const mesh = { positions, faces: [[[0, 1, 2, 3], [4, 5, 6, 7]]] };
+  const positions = Float64Array.of(
+    0,
+    0,
+    0,
+    4,
+    0,
+    0,
+    4,
+    4,
+    0,
+    0,
+    4,
+    0,
+    1,
+    1,
+    0,
+    2,
+    1,
+    0,
+    2,
+    2,
+    0,
+    1,
+    2,
+    0,
+  );
+  const mesh = {
+    positions,
+    faces: [
+      [
+        [0, 1, 2, 3],
+        [4, 5, 6, 7],
+      ],
+    ],
+  };
   const id = scene.add(mesh, { name: 'Tür', sides: 'open', moves: true, pose: at(1, 2, 3) });
   const given = scene.given(id);
   assert.deepEqual(given.mesh, mesh);
-  assert.deepEqual(given.settings, { sides: 'open', casts: true, receives: true, moves: true, pose: at(1, 2, 3), name: 'Tür' });
+  assert.deepEqual(given.settings, {
+    sides: 'open',
+    casts: true,
+    receives: true,
+    moves: true,
+    pose: at(1, 2, 3),
+    name: 'Tür',
+  });
   assert.equal(scene.object(id).name, 'Tür');
   assert.equal(scene.faces()[0].area, 15);
   scene.setVertices(id, new Float32Array(mesh.positions.map((x) => 2 * x)));
   assert.equal(scene.faces()[0].area, 60);
-  const light = scene.addLight({ at: [0, 0, 9], range: 20, spot: { axis: [0, 0, -1], halfAngle: 1 } });
-  assert.deepEqual(scene.light(light), { kind: 'point', at: [0, 0, 9], range: 20, spot: { axis: [0, 0, -1], halfAngle: 1 }, name: '' });
+  const light = scene.addLight({
+    at: [0, 0, 9],
+    range: 20,
+    spot: { axis: [0, 0, -1], halfAngle: 1 },
+  });
+  assert.deepEqual(scene.light(light), {
+    kind: 'point',
+    at: [0, 0, 9],
+    range: 20,
+    spot: { axis: [0, 0, -1], halfAngle: 1 },
+    name: '',
+  });
   scene.replaceLights([{ at: [1, 1, 9] }, { kind: 'directional', at: [0, 0, -1] }]);
   assert.equal(scene.light(scene.lightId(1)).kind, 'directional');
   const copy = scene.copy();
   scene.remove(id);
   assert.equal(copy.object(id).faceCount, 1);
   assert.deepEqual(copy.tolerances, { flatness: 1e-6, coplanarity: 1e-12 });
-  const indexed = copy.add({ positions: new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]), indices: new Uint16Array([0, 1, 2]) });
+  const indexed = copy.add({
+    positions: new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]),
+    indices: new Uint16Array([0, 1, 2]),
+  });
   assert.equal(copy.object(indexed).faceCount, 1);
   assert.equal(copy.firstFace(indexed), copy.object(indexed).firstFace);
   assert.ok(copy.changedSince(0).includes(indexed.index));
-  const shadows = shadowcut.castShadows(copy, { at: [0.5, 0.5, 5] }, { kernel: 'exact', form: 'conforming' });
+  const shadows = shadowcut.castShadows(
+    copy,
+    { at: [0.5, 0.5, 5] },
+    { kernel: 'exact', form: 'conforming' },
+  );
   assert.ok(shadows.stats.litArea > 0);
   [copy, scene, shadows].forEach((each) => each.dispose());
 });
@@ -193,7 +315,11 @@ test('errors', async () => {
   assert.equal(scene.object(nan).facetCount, 0);
   const [issue] = scene.issues();
   assert.equal(issue.reason, 'nonFinite');
-  assert.ok(shadowcut.refuses('nonFinite') && !shadowcut.refuses('notFlat') && shadowcut.describe('nonFinite').length > 0);
+  assert.ok(
+    shadowcut.refuses('nonFinite') &&
+      !shadowcut.refuses('notFlat') &&
+      shadowcut.describe('nonFinite').length > 0,
+  );
   fails('REFUSED', () => scene.setPose(nan, Array(16).fill(NaN)));
   fails('REFUSED', () => scene.addLight({ at: [NaN, 0, 0] }));
   fails('REFUSED', () => scene.addLight({ kind: 'directional', at: [0, 0, 0] }));
@@ -260,13 +386,18 @@ test('memory that runs out is an exception; the engine must be compacted, and ot
     }
   };
   const addSome = () => {
-    for (let k = 0; k < 10; ++k) ids.push(scene.add(box([200 * next(), 200 * next(), 0], [1, 1, 10 * next()])));
+    for (let k = 0; k < 10; ++k)
+      ids.push(scene.add(box([200 * next(), 200 * next(), 0], [1, 1, 10 * next()])));
   };
   while (!engine.mustCompact) {
     assert.ok(ids.length < 1e5, 'memory does not run out');
-    // Where an addition fails there may still be room for an update; for a tree beside the old one there is none.
+    // Where an addition fails there may still be room for an update; for a tree beside the old one
+    // there is none.
     if (runsOut(addSome)) scene.setLight(scene.lightId(0), { at: [100 + next(), 100, 50] });
-    assert.equal(runsOut(() => engine.update()), engine.mustCompact);
+    assert.equal(
+      runsOut(() => engine.update()),
+      engine.mustCompact,
+    );
   }
   console.log(`out of memory at ${ids.length} boxes, ${small.memoryBytes} bytes`);
   assert.ok(small.memoryBytes <= 32 << 20);
@@ -287,5 +418,7 @@ test('memory that runs out is an exception; the engine must be compacted, and ot
   scene.dispose();
   const again = new small.Engine(bystanding, { kernel: 'exact' });
   again.update();
-  assert.ok(Math.abs(again.shadows(0).areas()[0].lit - bystander.shadows(0).areas()[0].lit) < 1e-12);
+  assert.ok(
+    Math.abs(again.shadows(0).areas()[0].lit - bystander.shadows(0).areas()[0].lit) < 1e-12,
+  );
 });

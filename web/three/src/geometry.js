@@ -1,15 +1,26 @@
-// From the engine to three.js: one geometry of lit and shadowed triangles, kept in step with the engine's buffers.
+// From the engine to three.js: one geometry of lit and shadowed triangles, kept in step with the
+// engine's buffers.
 //
-// Vertices. Those of shadowcut.Buffers, one for each corner of a fragment, at the same places; all that a vertex has lies in one
-// interleaved array, so that a range of vertices is one upload. A fragment lies in one face of the engine, which is one
-// polygon of a mesh: what that polygon's corners have is interpolated to the fragment's.
-// Triangles. The buffers' too, but sorted by material: each material has a region of the index, with room to spare; a triangle that comes
-// is put at the region's end, and where one goes, the region's last takes its place. So what has to be uploaded is in proportion to what has
-// changed. Regions that overflow are laid out anew, all of them, with half as much room again.
-// Cracks. Where a corner of one fragment lies on the edge of another, a rasteriser leaves pixels out between the two. So each vertex says
-// where "outward" is, and the shaders (materials.js) draw fragments larger than they are by a small share of a pixel.
-// Outlines. Lines from each vertex to the next around its fragment: a second index over the same vertices, kept only while it is wanted.
-import { BufferAttribute, BufferGeometry, InterleavedBuffer, InterleavedBufferAttribute, Sphere, Vector3 } from 'three';
+// Vertices. Those of shadowcut.Buffers, one for each corner of a fragment, at the same places; all
+// that a vertex has lies in one interleaved array, so that a range of vertices is one upload. A
+// fragment lies in one face of the engine, which is one polygon of a mesh: what that polygon's
+// corners have is interpolated to the fragment's. Triangles. The buffers' too, but sorted by
+// material: each material has a region of the index, with room to spare; a triangle that comes is
+// put at the region's end, and where one goes, the region's last takes its place. So what has to be
+// uploaded is in proportion to what has changed. Regions that overflow are laid out anew, all of
+// them, with half as much room again. Cracks. Where a corner of one fragment lies on the edge of
+// another, a rasteriser leaves pixels out between the two. So each vertex says where "outward" is,
+// and the shaders (materials.js) draw fragments larger than they are by a small share of a pixel.
+// Outlines. Lines from each vertex to the next around its fragment: a second index over the same
+// vertices, kept only while it is wanted.
+import {
+  BufferAttribute,
+  BufferGeometry,
+  InterleavedBuffer,
+  InterleavedBufferAttribute,
+  Sphere,
+  Vector3,
+} from 'three';
 import { FaceReader } from './faces.js';
 import { bitsPerNumber } from './materials.js';
 import { carried } from './sources.js';
@@ -40,7 +51,8 @@ function touch(attribute, start, count) {
   const ranges = attribute.updateRanges;
   if (ranges.length >= mostRanges) {
     let end = start + count;
-    for (const range of ranges) (start = Math.min(start, range.start)), (end = Math.max(end, range.start + range.count));
+    for (const range of ranges)
+      ((start = Math.min(start, range.start)), (end = Math.max(end, range.start + range.count)));
     attribute.clearUpdateRanges();
     count = end - start;
   }
@@ -87,13 +99,14 @@ export class FragmentGeometry {
   get wantsSync() {
     return this.#mirror.restyled.size > 0 || this.withLines !== (this.#lineIndex !== null);
   }
-  // After buffers.update(). One light: bit 0 of a mask; all lights: the bits are the lights' indices. Everything anew: where the buffers
-  // are others than the last time, or something failed.
+  // After buffers.update(). One light: bit 0 of a mask; all lights: the bits are the lights'
+  // indices. Everything anew: where the buffers are others than the last time, or something failed.
   sync(buffers, allLights, anew) {
     this.uploadedBytes = 0;
     const { info } = buffers;
     // Before the streams, which these calls might end.
-    const vertexRanges = buffers.changedVertexNumbers, indexRanges = buffers.changedIndexNumbers;
+    const vertexRanges = buffers.changedVertexNumbers,
+      indexRanges = buffers.changedIndexNumbers;
     this.#streams = {
       positions: buffers.stream('positions'),
       faces: buffers.stream('faces'),
@@ -117,16 +130,21 @@ export class FragmentGeometry {
 
   // Which numbers a vertex has: those that any source has. True where that has changed.
   #layOut(allLights) {
-    const maskSize = allLights ? Math.min(4, Math.ceil(this.#mirror.followed.length / bitsPerNumber)) : 1;
+    const maskSize = allLights
+      ? Math.min(4, Math.ceil(this.#mirror.followed.length / bitsPerNumber))
+      : 1;
     if (!this.#mirror.attributesChanged && maskSize === this.#maskSize) return false;
     const sizes = carried.map(() => 0);
     sizes[normal] = 3;
     for (const { source, tinted } of this.#mirror.entries()) {
-      source.attributes.forEach((attribute, k) => attribute && (sizes[k] = Math.max(sizes[k], attribute.itemSize)));
+      source.attributes.forEach(
+        (attribute, k) => attribute && (sizes[k] = Math.max(sizes[k], attribute.itemSize)),
+      );
       if (tinted) sizes[color] = Math.max(sizes[color], 3);
     }
     this.#mirror.attributesChanged = false;
-    const changed = maskSize !== this.#maskSize || carried.some((_, k) => sizes[k] !== this.#itemSizes[k]);
+    const changed =
+      maskSize !== this.#maskSize || carried.some((_, k) => sizes[k] !== this.#itemSizes[k]);
     this.#itemSizes = sizes;
     this.#maskSize = maskSize;
     this.#stride = 6 + maskSize + sizes.reduce((a, b) => a + b, 0);
@@ -156,12 +174,16 @@ export class FragmentGeometry {
     for (const name of Object.keys(geometry.attributes)) geometry.deleteAttribute(name);
     const position = new InterleavedBufferAttribute(this.#vertices, 3, 0);
     geometry.setAttribute('position', position);
-    geometry.setAttribute('shadowcutMask', new InterleavedBufferAttribute(this.#vertices, this.#maskSize, 6));
+    geometry.setAttribute(
+      'shadowcutMask',
+      new InterleavedBufferAttribute(this.#vertices, this.#maskSize, 6),
+    );
     geometry.setAttribute('shadowcutOutward', new InterleavedBufferAttribute(this.#vertices, 3, 3));
     let at = 6 + this.#maskSize;
     carried.forEach((name, k) => {
       const size = this.#itemSizes[k];
-      if (size > 0) geometry.setAttribute(name, new InterleavedBufferAttribute(this.#vertices, size, at));
+      if (size > 0)
+        geometry.setAttribute(name, new InterleavedBufferAttribute(this.#vertices, size, at));
       at += size;
     });
     this.lines.setAttribute('position', position);
@@ -176,7 +198,8 @@ export class FragmentGeometry {
     this.#tripleCount = count;
     let fits = true;
     for (let i = 0; i < indexRanges.length; i += 2) {
-      const first = indexRanges[i] / 3, end = first + indexRanges[i + 1] / 3;
+      const first = indexRanges[i] / 3,
+        end = first + indexRanges[i + 1] / 3;
       for (let t = first; t < end; ++t) fits = this.#putRight(t) && fits;
       this.#writeOutward(first, end);
       if (this.#lineIndex) this.#writeLines(first, end);
@@ -187,10 +210,12 @@ export class FragmentGeometry {
     this.#makeGroups();
   }
   #followVertices(ranges) {
-    let first = 0, end = -1;
+    let first = 0,
+      end = -1;
     const gap = joinedVertexBytes / (4 * this.#stride);
     for (let i = 0; i < ranges.length; i += 2) {
-      const from = ranges[i], to = from + ranges[i + 1];
+      const from = ranges[i],
+        to = from + ranges[i + 1];
       this.#writeVertices(from, to);
       if (end >= 0 && from > end + gap) {
         this.#uploadVertices(first, end);
@@ -210,18 +235,21 @@ export class FragmentGeometry {
     this.uploadedBytes += 8 * (end - first);
   }
 
-  // Meshes whose materials or attributes have changed, while their fragments are the same: all of theirs.
+  // Meshes whose materials or attributes have changed, while their fragments are the same: all of
+  // theirs.
   #restyle() {
     const { objects, faces, indices } = this.#streams;
     const { instances, restyled } = this.#mirror;
-    let fits = true, first = 0, end = -1;
+    let fits = true,
+      first = 0,
+      end = -1;
     for (let t = 0; t < this.#tripleCount; ++t) {
       const a = indices[3 * t];
       if (faces[a] === none || !restyled.has(instances[objects[a]].entry)) continue;
       fits = this.#putRight(t) && fits;
       const last = indices[3 * t + 2] + 1;
       this.#writeVertices(a, last);
-      if (end >= 0 && a > end) this.#uploadVertices(first, end), (end = -1);
+      if (end >= 0 && a > end) (this.#uploadVertices(first, end), (end = -1));
       if (end < 0) first = a;
       end = last;
     }
@@ -234,7 +262,8 @@ export class FragmentGeometry {
   // The slot of a triple's material; -1 for holes, and what has no material.
   #slotFor(t) {
     const { faces, objects, indices } = this.#streams;
-    const a = indices[3 * t], face = faces[a];
+    const a = indices[3 * t],
+      face = faces[a];
     if (face === none || indices[3 * t + 1] === a) return -1;
     const instance = this.#mirror.instances[objects[a]];
     const { slots, source } = instance.entry;
@@ -252,7 +281,8 @@ export class FragmentGeometry {
     this.#slotOf[t] = slot;
     if (slot < 0) return true;
     const region = this.#regions[slot];
-    if (!region || region.count === region.capacity) return false; // and then all regions are laid out by slotOf
+    // and then all regions are laid out by slotOf
+    if (!region || region.count === region.capacity) return false;
     this.#placeOf[t] = region.first + region.count++;
     this.#tripleAt[this.#placeOf[t]] = t;
     this.#write(t);
@@ -263,8 +293,10 @@ export class FragmentGeometry {
     this.#slotOf[t] = -1;
     if (slot < 0) return;
     const region = this.#regions[slot];
-    if (!region || region.count === 0) return; // while there is no room, what is in the regions is not kept
-    const place = this.#placeOf[t], end = region.first + --region.count;
+    // while there is no room, what is in the regions is not kept
+    if (!region || region.count === 0) return;
+    const place = this.#placeOf[t],
+      end = region.first + --region.count;
     if (place === end) return;
     const last = this.#tripleAt[end];
     this.#placeOf[last] = place;
@@ -274,16 +306,25 @@ export class FragmentGeometry {
   #write(t) {
     const { indices } = this.#streams;
     const { array } = this.#index;
-    const at = 3 * this.#placeOf[t], from = 3 * t;
-    if (array[at] === indices[from] && array[at + 1] === indices[from + 1] && array[at + 2] === indices[from + 2]) return;
-    array[at] = indices[from], array[at + 1] = indices[from + 1], array[at + 2] = indices[from + 2];
+    const at = 3 * this.#placeOf[t],
+      from = 3 * t;
+    if (
+      array[at] === indices[from] &&
+      array[at + 1] === indices[from + 1] &&
+      array[at + 2] === indices[from + 2]
+    )
+      return;
+    ((array[at] = indices[from]),
+      (array[at + 1] = indices[from + 1]),
+      (array[at + 2] = indices[from + 2]));
     this.#touched.push(this.#placeOf[t]);
   }
   #uploadIndices() {
     const { array, length } = this.#touched;
     if (length === 0) return;
     array.subarray(0, length).sort();
-    let first = array[0], end = first + 1;
+    let first = array[0],
+      end = first + 1;
     for (let i = 1; i <= length; ++i) {
       const place = i < length ? array[i] : Infinity;
       if (place <= end + joinedIndices / 3) {
@@ -292,7 +333,7 @@ export class FragmentGeometry {
       }
       touch(this.#index, 3 * first, 3 * (end - first));
       this.uploadedBytes += 12 * (end - first);
-      first = place, end = place + 1;
+      ((first = place), (end = place + 1));
     }
     this.#touched.length = 0;
   }
@@ -323,7 +364,8 @@ export class FragmentGeometry {
     for (let t = 0; t < this.#tripleCount; ++t) {
       const slot = this.#slotOf[t];
       if (slot < 0) continue;
-      const region = this.#regions[slot], place = region.first + region.count++;
+      const region = this.#regions[slot],
+        place = region.first + region.count++;
       this.#placeOf[t] = place;
       this.#tripleAt[place] = t;
       for (let k = 0; k < 3; ++k) array[3 * place + k] = indices[3 * t + k];
@@ -338,7 +380,7 @@ export class FragmentGeometry {
       const { first, count } = this.#regions[slot];
       if (count === 0) continue;
       const group = (groups[n++] ??= { start: 0, count: 0, materialIndex: 0 });
-      group.start = 3 * first, group.count = 3 * count, group.materialIndex = slot;
+      ((group.start = 3 * first), (group.count = 3 * count), (group.materialIndex = slot));
     }
     groups.length = n;
   }
@@ -369,11 +411,13 @@ export class FragmentGeometry {
     const { faces, indices } = this.#streams;
     const { array } = this.#lineIndex;
     for (let t = first; t < end; ++t) {
-      const a = indices[3 * t], b = indices[3 * t + 1], c = indices[3 * t + 2];
+      const a = indices[3 * t],
+        b = indices[3 * t + 1],
+        c = indices[3 * t + 2];
       if (faces[a] === none) continue;
-      if (b === a + 1) array[2 * a] = a, array[2 * a + 1] = b;
-      array[2 * b] = b, array[2 * b + 1] = c;
-      array[2 * c] = c, array[2 * c + 1] = a;
+      if (b === a + 1) ((array[2 * a] = a), (array[2 * a + 1] = b));
+      ((array[2 * b] = b), (array[2 * b + 1] = c));
+      ((array[2 * c] = c), (array[2 * c + 1] = a));
     }
   }
 
@@ -382,8 +426,12 @@ export class FragmentGeometry {
   #writeVertices(first, end) {
     const { positions, faces, objects, states } = this.#streams;
     const { instances } = this.#mirror;
-    const out = this.#vertices.array, stride = this.#stride, inherited = 6 + this.#maskSize, reader = this.#reader;
-    let face = -1, frame = null;
+    const out = this.#vertices.array,
+      stride = this.#stride,
+      inherited = 6 + this.#maskSize,
+      reader = this.#reader;
+    let face = -1,
+      frame = null;
     for (let v = first; v < end; ++v) {
       if (faces[v] === none) continue; // a hole: nothing refers to it
       if (faces[v] !== face) {
@@ -391,16 +439,19 @@ export class FragmentGeometry {
         frame = reader.read(instances[objects[v]], face, this.origin);
       }
       const at = v * stride;
-      out[at] = positions[3 * v], out[at + 1] = positions[3 * v + 1], out[at + 2] = positions[3 * v + 2];
+      ((out[at] = positions[3 * v]),
+        (out[at + 1] = positions[3 * v + 1]),
+        (out[at + 2] = positions[3 * v + 2]));
       if (states !== null) out[at + 6] = states[v];
       else this.#writeMask(v, at + 6);
       frame.interpolate(positions, 3 * v, out, at + inherited);
     }
   }
-  // Of whole fragments: what moves both edges at a corner outward by one, in the face's plane; no more than four at sharp corners.
+  // Of whole fragments: what moves both edges at a corner outward by one, in the face's plane; no
+  // more than four at sharp corners.
   #writeOutward(firstTriple, endTriple) {
     const { indices } = this.#streams;
-    for (let t = firstTriple; t < endTriple; ) {
+    for (let t = firstTriple; t < endTriple;) {
       const first = indices[3 * t];
       let last = indices[3 * t + 2];
       for (++t; t < endTriple && indices[3 * t] === first; ++t) last = indices[3 * t + 2];
@@ -408,39 +459,61 @@ export class FragmentGeometry {
     }
   }
   #writeOutwardOf(first, last) {
-    const p = this.#streams.positions, out = this.#vertices.array, stride = this.#stride;
-    let nx = 0, ny = 0, nz = 0; // twice the area, along the normal
-    const ox = p[3 * first], oy = p[3 * first + 1], oz = p[3 * first + 2];
-    let bx = p[3 * first + 3] - ox, by = p[3 * first + 4] - oy, bz = p[3 * first + 5] - oz;
+    const p = this.#streams.positions,
+      out = this.#vertices.array,
+      stride = this.#stride;
+    let nx = 0,
+      ny = 0,
+      nz = 0; // twice the area, along the normal
+    const ox = p[3 * first],
+      oy = p[3 * first + 1],
+      oz = p[3 * first + 2];
+    let bx = p[3 * first + 3] - ox,
+      by = p[3 * first + 4] - oy,
+      bz = p[3 * first + 5] - oz;
     for (let v = first + 2; v <= last; ++v) {
-      const cx = p[3 * v] - ox, cy = p[3 * v + 1] - oy, cz = p[3 * v + 2] - oz;
-      nx += by * cz - bz * cy, ny += bz * cx - bx * cz, nz += bx * cy - by * cx;
-      bx = cx, by = cy, bz = cz;
+      const cx = p[3 * v] - ox,
+        cy = p[3 * v + 1] - oy,
+        cz = p[3 * v + 2] - oz;
+      ((nx += by * cz - bz * cy), (ny += bz * cx - bx * cz), (nz += bx * cy - by * cx));
+      ((bx = cx), (by = cy), (bz = cz));
     }
     const n = 1 / (Math.sqrt(nx * nx + ny * ny + nz * nz) || 1);
-    nx *= n, ny *= n, nz *= n;
+    ((nx *= n), (ny *= n), (nz *= n));
     // Outward of the edge that comes to a corner, and of the one that leaves it.
-    let ux = 0, uy = 0, uz = 0;
+    let ux = 0,
+      uy = 0,
+      uz = 0;
     for (let v = first - 1; v <= last; ++v) {
-      const from = 3 * (v < first ? last : v), to = 3 * (v === last ? first : v + 1);
-      const ex = p[to] - p[from], ey = p[to + 1] - p[from + 1], ez = p[to + 2] - p[from + 2];
+      const from = 3 * (v < first ? last : v),
+        to = 3 * (v === last ? first : v + 1);
+      const ex = p[to] - p[from],
+        ey = p[to + 1] - p[from + 1],
+        ez = p[to + 2] - p[from + 2];
       const e = 1 / (Math.sqrt(ex * ex + ey * ey + ez * ez) || 1);
-      const wx = (ey * nz - ez * ny) * e, wy = (ez * nx - ex * nz) * e, wz = (ex * ny - ey * nx) * e;
+      const wx = (ey * nz - ez * ny) * e,
+        wy = (ez * nx - ex * nz) * e,
+        wz = (ex * ny - ey * nx) * e;
       if (v >= first) {
         const scale = 1 / Math.max(1 + ux * wx + uy * wy + uz * wz, 0.125);
         const at = v * stride + 3;
-        out[at] = (ux + wx) * scale, out[at + 1] = (uy + wy) * scale, out[at + 2] = (uz + wz) * scale;
+        ((out[at] = (ux + wx) * scale),
+          (out[at + 1] = (uy + wy) * scale),
+          (out[at + 2] = (uz + wz) * scale));
       }
-      ux = wx, uy = wy, uz = wz;
+      ((ux = wx), (uy = wy), (uz = wz));
     }
   }
   #writeMask(v, at) {
     const { masks, maskWords } = this.#streams;
     const out = this.#vertices.array;
     for (let k = 0; k < this.#maskSize; ++k) {
-      const bit = k * bitsPerNumber, word = v * maskWords + (bit >> 5), shift = bit & 31;
+      const bit = k * bitsPerNumber,
+        word = v * maskWords + (bit >> 5),
+        shift = bit & 31;
       let value = masks[word] >>> shift;
-      if (shift > 32 - bitsPerNumber && (bit >> 5) + 1 < maskWords) value |= masks[word + 1] << (32 - shift);
+      if (shift > 32 - bitsPerNumber && (bit >> 5) + 1 < maskWords)
+        value |= masks[word + 1] << (32 - shift);
       out[at + k] = value & 0xffffff;
     }
   }

@@ -1,6 +1,8 @@
-// Exact shadows for a three.js scene: mirrors it into the engine, and draws what the engine makes of it as one mesh, without a shadow pass.
+// Exact shadows for a three.js scene: mirrors it into the engine, and draws what the engine makes
+// of it as one mesh, without a shadow pass.
 //
-//   three.js scene --mirror.js (sources.js)--> engine --shadowcut.Buffers--> geometry.js (faces.js) --materials.js--> picture
+//   three.js scene --mirror.js (sources.js)--> engine --shadowcut.Buffers--> geometry.js (faces.js)
+//     --materials.js--> picture
 import { LineBasicMaterial, LineSegments, Mesh } from 'three';
 import { FragmentGeometry } from './geometry.js';
 import { Palette, mostLights } from './materials.js';
@@ -14,7 +16,8 @@ const defaults = {
   moves: () => false,
   follows: () => true,
   layer: 31,
-  facetsPerCell: 32, // now and then a cell is built again: a quarter of the engine's own halves that moment, about
+  // now and then a cell is built again: a quarter of the engine's own halves that moment, about
+  facetsPerCell: 32,
   joins: true,
 };
 
@@ -29,7 +32,8 @@ export class SceneShadows {
   #light = undefined; // whose buffers they are: an index, or 'all'
   #outlines;
   #origin = null;
-  #stale = true; // the geometry may not be what the engine says: it failed, or has never been filled
+  // the geometry may not be what the engine says: it failed, or has never been filled
+  #stale = true;
   #disposed = false;
 
   constructor(shadowcut, scene, options = {}) {
@@ -49,7 +53,8 @@ export class SceneShadows {
     scene.add(this.mesh);
   }
 
-  // In the world, whatever the scene's own matrix; never hit by rays (its originals are), and lit by masks.
+  // In the world, whatever the scene's own matrix; never hit by rays (its originals are), and lit
+  // by masks.
   #makeMesh() {
     const { mesh } = this;
     mesh.name = 'shadowcut';
@@ -59,7 +64,8 @@ export class SceneShadows {
     mesh.frustumCulled = false;
     mesh.matrixAutoUpdate = mesh.matrixWorldAutoUpdate = false;
     mesh.raycast = () => {};
-    mesh.onBeforeRender = (renderer, scene, camera) => this.#palette.arrange(this.#lightsOf(scene), camera, this.#bitOf);
+    mesh.onBeforeRender = (renderer, scene, camera) =>
+      this.#palette.arrange(this.#lightsOf(scene), camera, this.#bitOf);
   }
   // Drawn a little nearer than the faces in which they lie.
   #makeOutlines() {
@@ -118,8 +124,17 @@ export class SceneShadows {
 
   #run(bringUpToDate) {
     const start = performance.now();
-    const done = { applied: 0, gone: 0, added: 0, engineMs: 0, ms: 0, uploadedBytes: 0, rebuilt: false };
-    const mirror = this.#mirror, geometry = this.#geometry;
+    const done = {
+      applied: 0,
+      gone: 0,
+      added: 0,
+      engineMs: 0,
+      ms: 0,
+      uploadedBytes: 0,
+      rebuilt: false,
+    };
+    const mirror = this.#mirror,
+      geometry = this.#geometry;
     if (this.mesh.parent === null) this.#root.add(this.mesh); // the scene was cleared, perhaps
     this.#updateMatrices();
     mirror.look();
@@ -146,15 +161,27 @@ export class SceneShadows {
     if (root.matrixWorldAutoUpdate) root.updateMatrixWorld();
   }
 
-  // Buffers of one light follow it at less than half the cost of the partition by all. True: they are new ones.
+  // Buffers of one light follow it at less than half the cost of the partition by all. True: they
+  // are new ones.
   #chooseBuffers() {
     const light = this.#mirror.lightOfBuffers;
     if (this.#buffers && light === this.#light && this.#origin) return false;
     if (!this.#origin) this.#chooseOrigin();
     this.#buffers?.dispose();
     this.#buffers = null;
-    const layout = { origin: this.#geometry.origin, doubles: true, indexed: true, normals: false, objects: true, joinedGap: 0 };
-    this.#buffers = new this.#shadowcut.Buffers(light, { ...layout, states: light !== 'all', masks: light === 'all' });
+    const layout = {
+      origin: this.#geometry.origin,
+      doubles: true,
+      indexed: true,
+      normals: false,
+      objects: true,
+      joinedGap: 0,
+    };
+    this.#buffers = new this.#shadowcut.Buffers(light, {
+      ...layout,
+      states: light !== 'all',
+      masks: light === 'all',
+    });
     this.#light = light;
     return true;
   }
@@ -162,7 +189,8 @@ export class SceneShadows {
   #chooseOrigin() {
     this.#origin = middleOf(this.#mirror);
     this.#geometry.origin = this.#origin ?? [0, 0, 0];
-    for (const object of [this.mesh, this.#outlines]) object.matrixWorld.makeTranslation(...this.#geometry.origin);
+    for (const object of [this.mesh, this.#outlines])
+      object.matrixWorld.makeTranslation(...this.#geometry.origin);
   }
 
   // Bits of the lights in the masks.

@@ -1,10 +1,14 @@
-// Shading by masks: for every material of the scene one that lights a fragment only by the lights that reach it.
+// Shading by masks: for every material of the scene one that lights a fragment only by the lights
+// that reach it.
 //
-// A shaded material has its original as its prototype: colours, maps, everything is read from the original at the moment when three.js
-// asks, so there is nothing to copy and nothing to keep in step; and the original itself, which may be used elsewhere, stays as it is. Own
-// are only the identity (three.js keeps programs by it), the listeners, the shader's patch, and what three.js itself writes while it draws.
+// A shaded material has its original as its prototype: colours, maps, everything is read from the
+// original at the moment when three.js asks, so there is nothing to copy and nothing to keep in
+// step; and the original itself, which may be used elsewhere, stays as it is. Own are only the
+// identity (three.js keeps programs by it), the listeners, the shader's patch, and what three.js
+// itself writes while it draws.
 //
-// Materials that take no light are drawn without cracks, and otherwise are as they are; raw shaders are left alone.
+// Materials that take no light are drawn without cracks, and otherwise are as they are; raw shaders
+// are left alone.
 import { Material, ShaderChunk } from 'three';
 
 export const bitsPerNumber = 24; // of a mask: so many are exact in a float
@@ -18,7 +22,8 @@ const takesLight = (material) =>
   material.isShadowMaterial ||
   (material.isShaderMaterial && !material.isRawShaderMaterial && material.lights === true);
 
-// What three.js calls a kind of light in its shader's loops, and ours for its lights' bits. Not every three.js has suns.
+// What three.js calls a kind of light in its shader's loops, and ours for its lights' bits. Not
+// every three.js has suns.
 const kinds = Object.fromEntries(
   ['POINT', 'SPOT', 'SUN', 'DIR']
     .filter((kind) => ShaderChunk.lights_fragment_begin.includes(`NUM_${kind}_LIGHTS`))
@@ -31,9 +36,10 @@ const kindOf = (light) => {
   return light.isDirectionalLight ? 'DIR' : undefined;
 };
 
-// Larger by this share of half the picture's height: 0.15 pixels in pictures of a thousand lines. What is left out between neighbours comes
-// of a rasteriser's fixed-point coordinates: 1/256 of a pixel in graphics cards, 1/16 in software. Faces seen at an angle grow more in the
-// world, up to twenty times, so that it is the same in the picture.
+// Larger by this share of half the picture's height: 0.15 pixels in pictures of a thousand lines.
+// What is left out between neighbours comes of a rasteriser's fixed-point coordinates: 1/256 of a
+// pixel in graphics cards, 1/16 in software. Faces seen at an angle grow more in the world, up to
+// twenty times, so that it is the same in the picture.
 const growth = 3e-4;
 const growing = /* glsl */ `#include <begin_vertex>
 \t{
@@ -52,7 +58,10 @@ flat varying highp uvec4 vShadowcutMask;
 const fragmentDeclarations = /* glsl */ `
 flat varying highp uvec4 vShadowcutMask;
 ${Object.entries(kinds)
-  .map(([kind, name]) => `#if NUM_${kind}_LIGHTS > 0\nuniform int ${name}[ NUM_${kind}_LIGHTS ];\n#endif`)
+  .map(
+    ([kind, name]) =>
+      `#if NUM_${kind}_LIGHTS > 0\nuniform int ${name}[ NUM_${kind}_LIGHTS ];\n#endif`,
+  )
   .join('\n')}
 // 1: the light of that bit reaches the fragment, or nobody has followed it.
 float shadowcutReaches( int bit ) {
@@ -79,7 +88,12 @@ const lightLoops = ShaderChunk.lights_fragment_begin
   .split(/(?=#if \( NUM_\w+_LIGHTS > 0 \))/)
   .map((loop) => {
     const name = kinds[/^#if \( NUM_(\w+)_LIGHTS > 0 \)/.exec(loop)?.[1]];
-    return name ? loop.replace(/RE_Direct\(/, `directLight.color *= shadowcutReaches( ${name}[ i ] );\n\t\tRE_Direct(`) : loop;
+    return name
+      ? loop.replace(
+          /RE_Direct\(/,
+          `directLight.color *= shadowcutReaches( ${name}[ i ] );\n\t\tRE_Direct(`,
+        )
+      : loop;
   })
   .join('');
 
@@ -98,11 +112,15 @@ function patch(shader, uniforms) {
   shader.fragmentShader = shader.fragmentShader
     .replace('#include <lights_fragment_begin>', lightLoops)
     .replace('getShadowMask()', 'shadowcutShadowMask()')
-    .replace('void main() {', `${fragmentDeclarations}${isShadow ? shadowMask : ''}\nvoid main() {`);
+    .replace(
+      'void main() {',
+      `${fragmentDeclarations}${isShadow ? shadowMask : ''}\nvoid main() {`,
+    );
 }
 
-// Properties that three.js writes while it draws (it draws transparent double-sided materials one side after the other), and else reads
-// from the original: what was written counts until it equals the original's.
+// Properties that three.js writes while it draws (it draws transparent double-sided materials one
+// side after the other), and else reads from the original: what was written counts until it equals
+// the original's.
 function follow(shaded, original, name) {
   let written;
   Object.defineProperty(shaded, name, {
@@ -144,13 +162,16 @@ function shade(original, uniforms, tinted) {
 const nothing = new Material();
 nothing.visible = false;
 
-// The materials of the geometry, by slot. A slot is held by as many users as have acquired it, and used again after the last.
+// The materials of the geometry, by slot. A slot is held by as many users as have acquired it, and
+// used again after the last.
 export class Palette {
   materials = []; // by slot: what draws; of a free slot, what draws nothing
   #slots = []; // { original, tinted, users }
   #found = new Map(); // original -> [slot plain, slot tinted]
   #free = [];
-  #uniforms = Object.fromEntries(Object.values(kinds).map((name) => [name, { value: new Int32Array(16).fill(-1) }]));
+  #uniforms = Object.fromEntries(
+    Object.values(kinds).map((name) => [name, { value: new Int32Array(16).fill(-1) }]),
+  );
   #sorted = [];
 
   // Tinted: vertex colours count, even where the original ignores them.
@@ -161,7 +182,9 @@ export class Palette {
     if (slot < 0) {
       slot = this.#free.pop() ?? this.#slots.length;
       this.#slots[slot] = { original, tinted, users: 0 };
-      this.materials[slot] = original.isRawShaderMaterial ? original : shade(original, this.#uniforms, tinted);
+      this.materials[slot] = original.isRawShaderMaterial
+        ? original
+        : shade(original, this.#uniforms, tinted);
       pair[+tinted] = slot;
     }
     ++this.#slots[slot].users;
@@ -186,8 +209,9 @@ export class Palette {
     this.#found.clear();
   }
 
-  // Before the geometry is drawn: which bit each light has, in the order in which three.js hands lights to its shaders. `lights` are those
-  // that the camera may see, in the order of the scene; bitOf gives -1 for those that nobody follows.
+  // Before the geometry is drawn: which bit each light has, in the order in which three.js hands
+  // lights to its shaders. `lights` are those that the camera may see, in the order of the scene;
+  // bitOf gives -1 for those that nobody follows.
   arrange(lights, camera, bitOf) {
     const sorted = this.#sorted;
     sorted.length = 0;
@@ -199,7 +223,8 @@ export class Palette {
       if (kind === undefined) continue;
       const uniform = this.#uniforms[kinds[kind]];
       const i = counts[kind]++;
-      if (i >= uniform.value.length) uniform.value = Int32Array.from({ length: 2 * i }, (_, k) => uniform.value[k] ?? -1);
+      if (i >= uniform.value.length)
+        uniform.value = Int32Array.from({ length: 2 * i }, (_, k) => uniform.value[k] ?? -1);
       uniform.value[i] = bitOf(light);
     }
   }

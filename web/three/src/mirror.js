@@ -1,7 +1,9 @@
-// From three.js to the engine: what stands in the three.js scene, and what of it has changed since the last look.
+// From three.js to the engine: what stands in the three.js scene, and what of it has changed since
+// the last look.
 //
-// A look goes over all objects of the three.js scene and compares numbers: matrices, versions, lights' parameters. It costs some tens of
-// nanoseconds an object, whatever its triangles; only what has changed is read, and handed on.
+// A look goes over all objects of the three.js scene and compares numbers: matrices, versions,
+// lights' parameters. It costs some tens of nanoseconds an object, whatever its triangles; only
+// what has changed is read, and handed on.
 import { Box3, Matrix3, Matrix4, Vector3 } from 'three';
 import { mostLights } from './materials.js';
 import { Source } from './sources.js';
@@ -10,7 +12,8 @@ import { Source } from './sources.js';
 class Instance {
   id = null; // null: there is nothing in the engine, because of an issue
   firstFace = 0;
-  matrix = new Float64Array(16).fill(NaN); // column by column, as three.js has it, and as it was last handed on
+  // column by column, as three.js has it, and as it was last handed on
+  matrix = new Float64Array(16).fill(NaN);
   normalMatrix = new Float64Array(9); // column by column; not scaled
   mirrored = false; // the matrix turns the inside out
   tint = null; // of InstancedMesh.instanceColor
@@ -30,7 +33,9 @@ class Entry {
   materials = []; // by group, as they were when the slots were acquired
   vertexColors = []; // of these, likewise
   tinted = false;
-  layers = 0; // the mask that the mesh had before it was moved to the layer of its own; 0: it has not been moved
+  // the mask that the mesh had before it was moved to the layer of its own; 0: it has not been
+  // moved
+  layers = 0;
   source = null;
   topology = -1;
   positions = -1;
@@ -44,7 +49,10 @@ class Entry {
   }
 }
 
-const matrix = new Matrix4(), inverse = new Matrix3(), from = new Vector3(), to = new Vector3();
+const matrix = new Matrix4(),
+  inverse = new Matrix3(),
+  from = new Vector3(),
+  to = new Vector3();
 const pose = new Float64Array(16);
 const same = (a, b) => {
   for (let i = 0; i < 16; ++i) if (a[i] !== b[i]) return false;
@@ -98,8 +106,10 @@ export class Mirror {
       const { children } = object;
       for (let i = children.length - 1; i >= 0; --i) stack.push(children[i]); // in three.js' order
     }
-    for (const entry of this.#entries.values()) if (entry.stamp !== this.#stamp) this.#forget(entry.mesh, entry);
-    for (const [light, known] of this.#lights) if (known.stamp !== this.#stamp) this.#forgetLight(light, known);
+    for (const entry of this.#entries.values())
+      if (entry.stamp !== this.#stamp) this.#forget(entry.mesh, entry);
+    for (const [light, known] of this.#lights)
+      if (known.stamp !== this.#stamp) this.#forgetLight(light, known);
     this.#standInForLights();
     if (this.#recheck) this.#listRefused();
   }
@@ -120,14 +130,16 @@ export class Mirror {
   bake(mesh) {
     const entry = this.#entries.get(mesh);
     if (!entry) return; // it is baked when it is met
-    if (entry.source === this.#sources.get(mesh.geometry)?.[+entry.grouped]) entry.source = new Source(mesh.geometry, entry.grouped, false, mesh);
+    if (entry.source === this.#sources.get(mesh.geometry)?.[+entry.grouped])
+      entry.source = new Source(mesh.geometry, entry.grouped, false, mesh);
     else entry.source.bake(mesh);
   }
 
   // ---- Meshes
 
   #lookAtMesh(mesh) {
-    const casts = this.#options.casts(mesh), receives = this.#options.receives(mesh);
+    const casts = this.#options.casts(mesh),
+      receives = this.#options.receives(mesh);
     if (!casts && !receives) return;
     if (mesh.isBatchedMesh) return this.#report(mesh, 'a BatchedMesh is not followed');
     let entry = this.#entries.get(mesh);
@@ -145,14 +157,18 @@ export class Mirror {
   // A posed mesh has a source of its own; others share their geometry's.
   #chooseSource(entry) {
     const { mesh } = entry;
-    const { geometry } = mesh, grouped = Array.isArray(mesh.material);
+    const { geometry } = mesh,
+      grouped = Array.isArray(mesh.material);
     if (entry.geometry === geometry && entry.grouped === grouped) return;
     const { geometry: old } = entry;
     entry.geometry = geometry;
     entry.grouped = grouped;
     this.#dropSource(old);
-    const posed = mesh.isSkinnedMesh || mesh.morphTargetInfluences?.some((influence) => influence !== 0);
-    entry.source = posed ? new Source(geometry, grouped, false, mesh) : this.#sourceOf(geometry, grouped);
+    const posed =
+      mesh.isSkinnedMesh || mesh.morphTargetInfluences?.some((influence) => influence !== 0);
+    entry.source = posed
+      ? new Source(geometry, grouped, false, mesh)
+      : this.#sourceOf(geometry, grouped);
   }
   #sourceOf(geometry, grouped) {
     let pair = this.#sources.get(geometry);
@@ -167,7 +183,8 @@ export class Mirror {
     entry.receives = receives;
   }
   #set(entry, setter, value) {
-    for (const { id } of entry.instances) if (id) (this.#scene[setter](id, value), (this.edited = true));
+    for (const { id } of entry.instances)
+      if (id) (this.#scene[setter](id, value), (this.edited = true));
   }
 
   // Another topology: another object. Other positions: the object deformed.
@@ -217,7 +234,9 @@ export class Mirror {
     if (changed) this.#acquire(entry, entry.grouped ? material : [material], tinted);
   }
   #acquire(entry, materials, tinted) {
-    const slots = materials.map((material) => (material ? this.#palette.acquire(material, tinted) : -1));
+    const slots = materials.map((material) =>
+      material ? this.#palette.acquire(material, tinted) : -1,
+    );
     for (const slot of entry.slots) if (slot >= 0) this.#palette.release(slot);
     entry.slots = slots;
     entry.materials = materials.slice();
@@ -244,7 +263,12 @@ export class Mirror {
       return;
     }
     const version = mesh.instanceMatrix.version;
-    if (version === entry.matrixVersion && mesh.count === instances.length && same(world, entry.world)) return;
+    if (
+      version === entry.matrixVersion &&
+      mesh.count === instances.length &&
+      same(world, entry.world)
+    )
+      return;
     while (instances.length > mesh.count) this.#remove(instances.pop());
     for (let k = 0; k < mesh.count; ++k) {
       if (k === instances.length) {
@@ -262,7 +286,9 @@ export class Mirror {
     const { mesh } = instance.entry;
     inverse.setFromMatrix4(matrix.fromArray(elements));
     const determinant = inverse.determinant();
-    for (let row = 0; row < 4; ++row) for (let column = 0; column < 4; ++column) pose[4 * row + column] = elements[4 * column + row];
+    for (let row = 0; row < 4; ++row)
+      for (let column = 0; column < 4; ++column)
+        pose[4 * row + column] = elements[4 * column + row];
     try {
       if (instance.id) this.#scene.setPose(instance.id, pose);
       else this.#add(instance);
@@ -270,8 +296,12 @@ export class Mirror {
       if (error.status !== 'REFUSED' && error.status !== 'INVALID_ARGUMENT') throw error;
       if (instance.id) this.#remove(instance);
       instance.matrix.set(elements); // not again until it changes
-      const which = mesh.isInstancedMesh ? `instance ${instance.entry.instances.indexOf(instance)}: ` : '';
-      const singular = elements.every(Number.isFinite) ? 'its matrix cannot be inverted' : 'its matrix has numbers that are not finite';
+      const which = mesh.isInstancedMesh
+        ? `instance ${instance.entry.instances.indexOf(instance)}: `
+        : '';
+      const singular = elements.every(Number.isFinite)
+        ? 'its matrix cannot be inverted'
+        : 'its matrix has numbers that are not finite';
       this.#report(mesh, which + singular);
       return;
     }
@@ -282,8 +312,17 @@ export class Mirror {
   }
   #add(instance) {
     const { mesh, source, casts, receives } = instance.entry;
-    const settings = { pose, casts, receives, moves: this.#options.moves(mesh), name: mesh.name || mesh.uuid };
-    instance.id = this.#scene.add({ positions: source.points, indices: source.outlines, cornerCounts: source.cornerCounts }, settings);
+    const settings = {
+      pose,
+      casts,
+      receives,
+      moves: this.#options.moves(mesh),
+      name: mesh.name || mesh.uuid,
+    };
+    instance.id = this.#scene.add(
+      { positions: source.points, indices: source.outlines, cornerCounts: source.cornerCounts },
+      settings,
+    );
     this.instances[instance.id.index] = instance;
     this.#recheck = true;
   }
@@ -307,7 +346,8 @@ export class Mirror {
     mesh.layers.mask = mask;
   }
   #giveBack(mesh, entry) {
-    if (entry.layers !== 0 && mesh.layers.mask === ((1 << this.#options.layer) | 0)) mesh.layers.mask = entry.layers;
+    if (entry.layers !== 0 && mesh.layers.mask === ((1 << this.#options.layer) | 0))
+      mesh.layers.mask = entry.layers;
     entry.layers = 0;
   }
   #forget(mesh, entry) {
@@ -332,7 +372,8 @@ export class Mirror {
 
   #lookAtLight(light) {
     this.drawn.push(light);
-    if (light.isRectAreaLight) return this.#report(light, 'a RectAreaLight casts no sharp shadows: it is not followed');
+    if (light.isRectAreaLight)
+      return this.#report(light, 'a RectAreaLight casts no sharp shadows: it is not followed');
     const values = this.#valuesOf(light);
     if (!values || !this.#options.follows(light)) return;
     const known = this.#lights.get(light);
@@ -343,7 +384,8 @@ export class Mirror {
     const description = descriptionOf(light, values);
     try {
       if (known) this.#scene.setLight(known.id, description);
-      else this.#lights.set(light, { id: this.#scene.addLight(description), values: null, stamp: 0 });
+      else
+        this.#lights.set(light, { id: this.#scene.addLight(description), values: null, stamp: 0 });
     } catch (error) {
       if (error.status !== 'REFUSED' && error.status !== 'INVALID_ARGUMENT') throw error;
       this.#report(light, error.message.replace(/^light \S+: /, ''));
@@ -354,7 +396,10 @@ export class Mirror {
     now.stamp = this.#stamp;
     this.followed[now.id.index] = light;
     if (now.id.index >= mostLights) {
-      this.#report(light, `only ${mostLights} lights have a bit in the masks: this one shades as if unshadowed`);
+      this.#report(
+        light,
+        `only ${mostLights} lights have a bit in the masks: this one shades as if unshadowed`,
+      );
     }
     this.edited = true;
   }
@@ -373,12 +418,17 @@ export class Mirror {
     this.followed[id.index] = undefined;
     this.edited = true;
   }
-  // Fragments are a light's. Where there is none, one that reaches nothing has them: every face whole, and nothing is cut.
+  // Fragments are a light's. Where there is none, one that reaches nothing has them: every face
+  // whole, and nothing is cut.
   #standInForLights() {
     const wanted = this.#lights.size === 0;
     if (wanted === (this.#standIn !== null)) return;
     if (wanted) {
-      this.#standIn = this.#scene.addLight({ kind: 'point', at: [0, 0, 0], range: Number.MIN_VALUE });
+      this.#standIn = this.#scene.addLight({
+        kind: 'point',
+        at: [0, 0, 0],
+        range: Number.MIN_VALUE,
+      });
     } else {
       this.#scene.removeLight(this.#standIn);
       this.#standIn = null;
@@ -413,26 +463,41 @@ export class Mirror {
       const words = told[reason];
       if (mesh && words) refused.set(mesh, (refused.get(mesh) ?? new Set()).add(words));
     }
-    for (const [mesh, words] of refused) for (const each of words) this.#report(mesh, `triangles are left out: ${each}`);
+    for (const [mesh, words] of refused)
+      for (const each of words) this.#report(mesh, `triangles are left out: ${each}`);
   }
 }
-const told = { nonFinite: 'they have coordinates that are not finite', indexOutOfRange: 'they have indices beyond the vertices' };
+const told = {
+  nonFinite: 'they have coordinates that are not finite',
+  indexOutOfRange: 'they have indices beyond the vertices',
+};
 
 function descriptionOf(light, values) {
   const name = light.name || light.uuid;
-  if (light.isDirectionalLight || light.isSunLight) return { kind: 'directional', at: values, name };
-  const at = values.slice(0, 3), range = light.distance > 0 ? light.distance : Infinity;
+  if (light.isDirectionalLight || light.isSunLight)
+    return { kind: 'directional', at: values, name };
+  const at = values.slice(0, 3),
+    range = light.distance > 0 ? light.distance : Infinity;
   if (light.isPointLight) return { kind: 'point', at, range, name };
-  return { kind: 'point', at, range, spot: { axis: values.slice(4, 7), halfAngle: light.angle }, name };
+  return {
+    kind: 'point',
+    at,
+    range,
+    spot: { axis: values.slice(4, 7), halfAngle: light.angle },
+    name,
+  };
 }
 
-// The middle of a box around all vertices in the world; null where there are none. Cost: all vertices.
+// The middle of a box around all vertices in the world; null where there are none. Cost: all
+// vertices.
 export function middleOf(mirror) {
-  const all = new Box3(), box = new Box3();
+  const all = new Box3(),
+    box = new Box3();
   for (const { source, instances } of mirror.entries()) {
     const local = source.box();
     for (const instance of instances) {
-      if (instance.id && !local.isEmpty()) all.union(box.copy(local).applyMatrix4(matrix.fromArray(instance.matrix)));
+      if (instance.id && !local.isEmpty())
+        all.union(box.copy(local).applyMatrix4(matrix.fromArray(instance.matrix)));
     }
   }
   return all.isEmpty() ? null : all.getCenter(from).toArray();

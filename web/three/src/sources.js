@@ -1,18 +1,32 @@
-// What is read of a three.js geometry: its faces, as the engine takes them, and the attributes that fragments inherit, as plain arrays.
-// Read once for all meshes that share a geometry, and again when three.js' version numbers say that something has changed.
+// What is read of a three.js geometry: its faces, as the engine takes them, and the attributes that
+// fragments inherit, as plain arrays. Read once for all meshes that share a geometry, and again
+// when three.js' version numbers say that something has changed.
 import { Box3, Vector3, Vector4 } from 'three';
 import { joinTriangles } from './polygons.js';
 
-// The attributes carried over, by their numbers in the lists below, and how many numbers of each there may be.
+// The attributes carried over, by their numbers in the lists below, and how many numbers of each
+// there may be.
 export const carried = ['normal', 'uv', 'uv1', 'color', 'tangent'];
 
-const versionOf = (attribute) => (attribute ? (attribute.isInterleavedBufferAttribute ? attribute.data.version : attribute.version) : -1);
+const versionOf = (attribute) =>
+  attribute
+    ? attribute.isInterleavedBufferAttribute
+      ? attribute.data.version
+      : attribute.version
+    : -1;
 
-// As a plain array with nothing between: the attribute's own where it is one (nothing is copied, then), otherwise a copy.
+// As a plain array with nothing between: the attribute's own where it is one (nothing is copied,
+// then), otherwise a copy.
 function numbersOf(attribute, itemSize = attribute.itemSize) {
   const { array } = attribute;
-  if (!attribute.isInterleavedBufferAttribute && attribute.itemSize === itemSize && array instanceof Float32Array) {
-    return array.length === attribute.count * itemSize ? array : array.subarray(0, attribute.count * itemSize);
+  if (
+    !attribute.isInterleavedBufferAttribute &&
+    attribute.itemSize === itemSize &&
+    array instanceof Float32Array
+  ) {
+    return array.length === attribute.count * itemSize
+      ? array
+      : array.subarray(0, attribute.count * itemSize);
   }
   const out = new Float32Array(attribute.count * itemSize);
   for (let i = 0; i < attribute.count; ++i) {
@@ -24,15 +38,16 @@ function numbersOf(attribute, itemSize = attribute.itemSize) {
 let revisions = 0; // no two sources have one in common
 
 export class Source {
-  // Revisions: topology (which triangles there are), positions, style (what fragments inherit). Users compare them with what they have
-  // seen.
+  // Revisions: topology (which triangles there are), positions, style (what fragments inherit).
+  // Users compare them with what they have seen.
   topology = 0;
   positions = 0;
   style = 0;
   points; // x, y, z by vertex, in the object's frame
   outlines; // the faces: their vertices, one face after another
   cornerCounts; // of each
-  corners; // three vertices of each: the triangle from which all that the face's points have is worked out
+  // three vertices of each: the triangle from which all that the face's points have is worked out
+  corners;
   groups; // the material's number by face; or null: the first everywhere
   attributes = []; // by number in `carried`: { numbers, itemSize }, or undefined
   #geometry;
@@ -59,10 +74,12 @@ export class Source {
     if (this.#checked === stamp) return;
     this.#checked = stamp;
     const { position } = this.#geometry.attributes;
-    const moved = this.#seen.position !== position || this.#seen.positionVersion !== versionOf(position);
+    const moved =
+      this.#seen.position !== position || this.#seen.positionVersion !== versionOf(position);
     const restyled = this.#attributesChanged();
     const known = this.corners !== undefined;
-    const joined = known && !this.#changes && (moved || restyled) && this.outlines.length > 3 * this.faceCount;
+    const joined =
+      known && !this.#changes && (moved || restyled) && this.outlines.length > 3 * this.faceCount;
     if (known && (moved || restyled)) this.#changes = true;
     const anew = joined || this.#topologyChanged();
     if (anew || moved) this.#readPositions();
@@ -80,9 +97,11 @@ export class Source {
   // Around the finite vertices, in the object's frame.
   box() {
     const { points } = this;
-    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    const low = [Infinity, Infinity, Infinity],
+      high = [-Infinity, -Infinity, -Infinity];
     for (let i = 0; i < points.length; ++i) {
-      const x = points[i], k = i % 3;
+      const x = points[i],
+        k = i % 3;
       if (!Number.isFinite(x)) continue;
       if (x < low[k]) low[k] = x;
       if (x > high[k]) high[k] = x;
@@ -114,12 +133,20 @@ export class Source {
     const { index, drawRange, groups, attributes } = this.#geometry;
     const vertices = attributes.position?.count ?? 0;
     const seen = this.#seen;
-    Object.assign(seen, { index, indexVersion: versionOf(index), start: drawRange.start, count: drawRange.count, vertices });
+    Object.assign(seen, {
+      index,
+      indexVersion: versionOf(index),
+      start: drawRange.start,
+      count: drawRange.count,
+      vertices,
+    });
     seen.groups = groups.map((g) => ({ ...g }));
     const all = index ? index.count : vertices;
-    const first = Math.max(0, drawRange.start), end = Math.min(all, drawRange.start + drawRange.count);
+    const first = Math.max(0, drawRange.start),
+      end = Math.min(all, drawRange.start + drawRange.count);
     const parts = this.#grouped ? groups : [{ start: 0, count: Infinity, materialIndex: 0 }];
-    const triangles = [], numbers = [];
+    const triangles = [],
+      numbers = [];
     for (const { start, count, materialIndex } of parts) {
       const last = Math.min(end, start + count);
       for (let i = Math.max(first, start); i + 2 < last; i += 3) {
@@ -127,7 +154,12 @@ export class Source {
         numbers.push(materialIndex ?? 0);
       }
     }
-    const faces = joinTriangles(triangles, numbers, this.points, this.#joins && !this.#changes ? this.attributes : null);
+    const faces = joinTriangles(
+      triangles,
+      numbers,
+      this.points,
+      this.#joins && !this.#changes ? this.attributes : null,
+    );
     this.outlines = faces.outlines;
     this.cornerCounts = faces.cornerCounts;
     this.corners = faces.corners;
@@ -149,7 +181,8 @@ export class Source {
     const { attributes } = this.#geometry;
     for (let k = 0; k < carried.length; ++k) {
       const attribute = attributes[carried[k]];
-      if (this.#seen.attributes[k] !== attribute || this.#seen.versions[k] !== versionOf(attribute)) return true;
+      if (this.#seen.attributes[k] !== attribute || this.#seen.versions[k] !== versionOf(attribute))
+        return true;
     }
     return false;
   }
@@ -159,9 +192,15 @@ export class Source {
       const attribute = attributes[name];
       this.#seen.attributes[k] = attribute;
       this.#seen.versions[k] = versionOf(attribute);
-      this.attributes[k] = attribute && { numbers: numbersOf(attribute), itemSize: attribute.itemSize };
+      this.attributes[k] = attribute && {
+        numbers: numbersOf(attribute),
+        itemSize: attribute.itemSize,
+      };
     });
-    if (this.#baked) for (const k of [0, 4]) if (this.attributes[k]) this.attributes[k].numbers = posedDirections(this.#baked, carried[k]);
+    if (this.#baked)
+      for (const k of [0, 4])
+        if (this.attributes[k])
+          this.attributes[k].numbers = posedDirections(this.#baked, carried[k]);
     this.style = ++revisions;
   }
 }
@@ -177,10 +216,13 @@ function posedPositions(mesh) {
 // Normals (morphed and skinned) and tangents (skinned).
 function posedDirections(mesh, name) {
   const { attributes, morphAttributes, morphTargetsRelative } = mesh.geometry;
-  const attribute = attributes[name], size = attribute.itemSize;
+  const attribute = attributes[name],
+    size = attribute.itemSize;
   const out = new Float32Array(size * attribute.count);
   const targets = (name === 'normal' && mesh.morphTargetInfluences && morphAttributes.normal) || [];
-  const d = new Vector4(), base = new Vector3(), target = new Vector3();
+  const d = new Vector4(),
+    base = new Vector3(),
+    target = new Vector3();
   for (let i = 0; i < attribute.count; ++i) {
     base.fromBufferAttribute(attribute, i);
     d.set(base.x, base.y, base.z, 0);
@@ -188,11 +230,13 @@ function posedDirections(mesh, name) {
       target.fromBufferAttribute(morph, i);
       if (!morphTargetsRelative) target.sub(base);
       const influence = mesh.morphTargetInfluences[k];
-      d.x += influence * target.x, d.y += influence * target.y, d.z += influence * target.z;
+      ((d.x += influence * target.x), (d.y += influence * target.y), (d.z += influence * target.z));
     });
     if (mesh.isSkinnedMesh) mesh.applyBoneTransform(i, d);
     const length = Math.hypot(d.x, d.y, d.z) || 1;
-    out[size * i] = d.x / length, out[size * i + 1] = d.y / length, out[size * i + 2] = d.z / length;
+    ((out[size * i] = d.x / length),
+      (out[size * i + 1] = d.y / length),
+      (out[size * i + 2] = d.z / length));
     if (size === 4) out[4 * i + 3] = attribute.getW(i);
   }
   return out;

@@ -1,4 +1,5 @@
-// What SceneShadows does besides following: what it cannot mirror, poses on request, materials, far scenes, out of memory, and giving back.
+// What SceneShadows does besides following: what it cannot mirror, poses on request, materials, far
+// scenes, out of memory, and giving back.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import * as THREE from 'three';
@@ -35,7 +36,8 @@ const near = (got, expected, tolerance = 1e-9) =>
 test('a table in a room: areas to the last digit', () => {
   const { scene, box } = room();
   const shadows = follow(scene, { kernel: 'exact' });
-  // The box's top, at 1.5 of the light's 4, throws a square of side 4 / 2.5 on the floor; the light sees the top, and no side.
+  // The box's top, at 1.5 of the light's 4, throws a square of side 4 / 2.5 on the floor; the light
+  // sees the top, and no side.
   near(shadows.litArea(), 64 - 1.6 * 1.6 + 1);
   near(shadows.facingArea(), 65);
   const { ms, engineMs, ...done } = shadows.update();
@@ -60,7 +62,12 @@ test('what is given back', () => {
   const shadows = follow(scene);
   assert.equal(floor.layers.mask, 1 << 31);
   assert.equal(box.layers.mask, 1 << 31);
-  assert.equal(new THREE.Raycaster(new THREE.Vector3(0, 5, 0), new THREE.Vector3(0, -1, 0)).intersectObject(scene).length, 0);
+  assert.equal(
+    new THREE.Raycaster(new THREE.Vector3(0, 5, 0), new THREE.Vector3(0, -1, 0)).intersectObject(
+      scene,
+    ).length,
+    0,
+  );
   const caster = new THREE.Raycaster(new THREE.Vector3(0, 5, 0), new THREE.Vector3(0, -1, 0));
   caster.layers.enable(31);
   assert.equal(caster.intersectObject(scene)[0].object, box);
@@ -113,8 +120,11 @@ test('what cannot be mirrored is told once, and the rest goes on', () => {
     lamp.position.x += 0.1;
     shadows.update();
   }
-  const told = (object) => shadows.issues.filter((issue) => issue.object === object).map(({ message }) => message);
-  assert.deepEqual(told(broken), ['triangles are left out: they have coordinates that are not finite']);
+  const told = (object) =>
+    shadows.issues.filter((issue) => issue.object === object).map(({ message }) => message);
+  assert.deepEqual(told(broken), [
+    'triangles are left out: they have coordinates that are not finite',
+  ]);
   assert.deepEqual(told(empty), ['has no triangles']);
   assert.deepEqual(told(squashed), ['its matrix cannot be inverted']);
   assert.deepEqual(told(lost), ['its matrix has numbers that are not finite']);
@@ -212,7 +222,12 @@ test('poses are taken on request', () => {
   for (let i = 0; i < position.count; ++i) {
     mesh.getVertexPosition(i, p);
     posed.attributes.position.setXYZ(i, p.x, p.y, p.z);
-    n.set(geometry.attributes.normal.getX(i), geometry.attributes.normal.getY(i), geometry.attributes.normal.getZ(i), 0);
+    n.set(
+      geometry.attributes.normal.getX(i),
+      geometry.attributes.normal.getY(i),
+      geometry.attributes.normal.getZ(i),
+      0,
+    );
     mesh.applyBoneTransform(i, n);
     posed.attributes.normal.setXYZ(i, n.x, n.y, n.z);
   }
@@ -251,7 +266,10 @@ test('far from the origin floats keep their digits', () => {
   const shadows = follow(scene);
   near(shadows.litArea(), 64 - 1.6 * 1.6 + 1, 1e-7);
   const { array, stride } = shadows.mesh.geometry.attributes.position.data;
-  const largest = array.reduce((most, x, i) => (i % stride < 3 ? Math.max(most, Math.abs(x)) : most), 0);
+  const largest = array.reduce(
+    (most, x, i) => (i % stride < 3 ? Math.max(most, Math.abs(x)) : most),
+    0,
+  );
   assert.ok(largest < 10, 'positions are less an origin nearby');
   const { elements } = shadows.mesh.matrixWorld;
   assert.ok(Math.hypot(elements[12] - far.x, elements[13] - far.y, elements[14] - far.z) < 10);
@@ -310,7 +328,10 @@ test('a material follows its original, which stays as it is', () => {
   slot.onBeforeCompile(shader, null);
   assert.equal(compiled, 1);
   assert.match(slot.customProgramCacheKey(), /mine/);
-  assert.equal(shader.fragmentShader.match(/directLight\.color \*= shadowcutReaches/g).length, Object.keys(shader.uniforms).length);
+  assert.equal(
+    shader.fragmentShader.match(/directLight\.color \*= shadowcutReaches/g).length,
+    Object.keys(shader.uniforms).length,
+  );
   let disposed = 0;
   slot.addEventListener('dispose', () => ++disposed);
   original.dispose();
@@ -342,7 +363,11 @@ test("bits go to lights in three.js' order", () => {
     make(THREE.PointLight, (light) => (light.castShadow = true)), // 2
     make(THREE.AmbientLight), // 3
     make(THREE.SpotLight, (light) => (light.map = new THREE.Texture())), // 4
-    make(THREE.SpotLight, (light) => ((light.map = new THREE.Texture()), (light.castShadow = true))), // 5
+    // 5
+    make(
+      THREE.SpotLight,
+      (light) => ((light.map = new THREE.Texture()), (light.castShadow = true)),
+    ),
     make(THREE.SpotLight, (light) => (light.castShadow = true)), // 6
     make(THREE.DirectionalLight, (light) => light.layers.set(2)), // 7: not seen
     make(THREE.DirectionalLight), // 8
@@ -375,7 +400,11 @@ test('out of memory can be caught, and compact() makes it right', async () => {
   const balls = [];
   let failed = null;
   for (let i = 0; i < 200 && !failed; ++i) {
-    const ball = shown(new THREE.SphereGeometry(0.4, 48, 32), undefined, [3 * Math.sin(i), 1 + (i % 5) / 2, 3 * Math.cos(i)]);
+    const ball = shown(new THREE.SphereGeometry(0.4, 48, 32), undefined, [
+      3 * Math.sin(i),
+      1 + (i % 5) / 2,
+      3 * Math.cos(i),
+    ]);
     balls.push(ball);
     scene.add(ball);
     try {

@@ -1,9 +1,10 @@
-// What must hold of a SceneShadows after every update, worked out another way: from the three.js scene, by three.js' own mathematics, and
-// from buffers that are filled anew.
+// What must hold of a SceneShadows after every update, worked out another way: from the three.js
+// scene, by three.js' own mathematics, and from buffers that are filled anew.
 import assert from 'node:assert/strict';
 import * as THREE from 'three';
 
-// A second copy of what is on a graphics card: made as three.js makes it, from whole arrays and from the ranges marked for upload.
+// A second copy of what is on a graphics card: made as three.js makes it, from whole arrays and
+// from the ranges marked for upload.
 export class Uploads {
   #copies = new Map();
   #versions = new Map();
@@ -17,17 +18,24 @@ export class Uploads {
       else if (this.#versions.get(attribute) !== attribute.version) {
         const copy = this.#copies.get(attribute);
         if (updateRanges.length === 0) copy.set(array);
-        for (const { start, count } of updateRanges) copy.set(array.subarray(start, start + count), start);
+        for (const { start, count } of updateRanges)
+          copy.set(array.subarray(start, start + count), start);
       }
       attribute.clearUpdateRanges(); // as the renderer does
       this.#versions.set(attribute, attribute.version);
-      assert.deepEqual(this.#copies.get(attribute), array, 'what was uploaded is not what there is');
+      assert.deepEqual(
+        this.#copies.get(attribute),
+        array,
+        'what was uploaded is not what there is',
+      );
     }
-    for (const old of this.#copies.keys()) if (!all.includes(old)) (this.#copies.delete(old), this.#versions.delete(old));
+    for (const old of this.#copies.keys())
+      if (!all.includes(old)) (this.#copies.delete(old), this.#versions.delete(old));
   }
 }
 
-// The triangles of the scene in the world, by object of the engine: [{ mesh, instance, points, normals ... }].
+// The triangles of the scene in the world, by object of the engine: [{ mesh, instance, points,
+// normals ... }].
 function worldTriangles(shadows, meshes) {
   const byObject = new Map();
   for (const mesh of meshes) {
@@ -36,7 +44,9 @@ function worldTriangles(shadows, meshes) {
     const all = index ? index.count : attributes.position.count;
     const last = Math.min(all, drawRange.start + drawRange.count);
     const list = [];
-    for (const group of Array.isArray(material) ? groups : [{ start: 0, count: all, materialIndex: 0 }]) {
+    for (const group of Array.isArray(material)
+      ? groups
+      : [{ start: 0, count: all, materialIndex: 0 }]) {
       const from = Math.max(group.start, drawRange.start),
         to = Math.min(last, group.start + group.count);
       for (let i = from; i + 2 < to; i += 3) {
@@ -50,15 +60,29 @@ function worldTriangles(shadows, meshes) {
       const object = shadows.objectOf(mesh, instance);
       if (object === undefined) continue;
       const matrix = mesh.matrixWorld.clone();
-      if (mesh.isInstancedMesh) matrix.multiply(new THREE.Matrix4().fromArray(mesh.instanceMatrix.array, 16 * instance));
+      if (mesh.isInstancedMesh)
+        matrix.multiply(new THREE.Matrix4().fromArray(mesh.instanceMatrix.array, 16 * instance));
       const normalMatrix = new THREE.Matrix3().getNormalMatrix(matrix);
       const flip = matrix.determinant() < 0 ? -1 : 1;
       byObject.set(
         object,
         list.map(({ corners, material }) => {
-          const points = corners.map((v) => new THREE.Vector3().fromBufferAttribute(attributes.position, v).applyMatrix4(matrix));
+          const points = corners.map((v) =>
+            new THREE.Vector3().fromBufferAttribute(attributes.position, v).applyMatrix4(matrix),
+          );
           const normal = new THREE.Triangle(...points).getNormal(new THREE.Vector3());
-          return { mesh, instance, corners, material, points, normal, normalMatrix, matrix, flip, attributes };
+          return {
+            mesh,
+            instance,
+            corners,
+            material,
+            points,
+            normal,
+            normalMatrix,
+            matrix,
+            flip,
+            attributes,
+          };
         }),
       );
     }
@@ -74,17 +98,27 @@ function drawnTriangles(shadows) {
   for (const { start, count, materialIndex } of geometry.groups) {
     for (let i = start; i < start + count; i += 3) {
       const vertices = [0, 1, 2].map((k) => geometry.index.getX(i + k));
-      const points = vertices.flatMap((v) => [position.getX(v), position.getY(v), position.getZ(v)]);
-      const mask = [...Array(shadowcutMask.itemSize).keys()].map((k) => shadowcutMask.getComponent(vertices[0], k));
-      for (const v of vertices) mask.forEach((m, k) => assert.equal(shadowcutMask.getComponent(v, k), m));
+      const points = vertices.flatMap((v) => [
+        position.getX(v),
+        position.getY(v),
+        position.getZ(v),
+      ]);
+      const mask = [...Array(shadowcutMask.itemSize).keys()].map((k) =>
+        shadowcutMask.getComponent(vertices[0], k),
+      );
+      for (const v of vertices)
+        mask.forEach((m, k) => assert.equal(shadowcutMask.getComponent(v, k), m));
       out.push({ material: material[materialIndex], mask, vertices, points });
     }
   }
   return out;
 }
-// The triangles of the mesh in which the middle of these points lies, in their planes and inside: one, unless some overlap.
+// The triangles of the mesh in which the middle of these points lies, in their planes and inside:
+// one, unless some overlap.
 function sourcesOf(points, triangles, origin) {
-  const [a, b, c] = [0, 3, 6].map((k) => new THREE.Vector3(...points.slice(k, k + 3)).add(new THREE.Vector3(...origin)));
+  const [a, b, c] = [0, 3, 6].map((k) =>
+    new THREE.Vector3(...points.slice(k, k + 3)).add(new THREE.Vector3(...origin)),
+  );
   const middle = a.clone().add(b).add(c).divideScalar(3),
     turned = new THREE.Triangle(a, b, c).getNormal(new THREE.Vector3());
   const distances = triangles.map((triangle) => {
@@ -98,7 +132,8 @@ function sourcesOf(points, triangles, origin) {
         .toArray()
         .map((w) => -w),
     );
-    return outside + 100 * off + (n.dot(turned) * triangle.flip < 0 ? 0.01 : 0); // of two faces, back to back, the right one
+    // of two faces, back to back, the right one
+    return outside + 100 * off + (n.dot(turned) * triangle.flip < 0 ? 0.01 : 0);
   });
   const least = Math.min(...distances);
   return triangles.filter((_, i) => distances[i] <= least + 1e-4);
@@ -125,7 +160,12 @@ function filledTriangles(shadowcut, shadows, light, origin) {
     const bits = [...list].reduce((sum, word, k) => sum | (BigInt(word) << BigInt(32 * k)), 0n);
     return Array.from({ length: size }, (_, k) => Number((bits >> BigInt(24 * k)) & 0xffffffn));
   };
-  const buffers = new shadowcut.Buffers(light, { origin, indexed: true, objects: true, masks: all });
+  const buffers = new shadowcut.Buffers(light, {
+    origin,
+    indexed: true,
+    objects: true,
+    masks: all,
+  });
   buffers.update(shadows.engine);
   const { indexCount, maskWords: words } = buffers.info;
   const indices = buffers.stream('indices').slice(0, indexCount),
@@ -140,7 +180,9 @@ function filledTriangles(shadowcut, shadows, light, origin) {
   let fan = [];
   const close = () => {
     fan.forEach((v, i) => {
-      const key = [v, fan[(i + 1) % fan.length]].map((w) => positions.subarray(3 * w, 3 * w + 3).join(' ')).join(' - ');
+      const key = [v, fan[(i + 1) % fan.length]]
+        .map((w) => positions.subarray(3 * w, 3 * w + 3).join(' '))
+        .join(' - ');
       lines.set(key, (lines.get(key) ?? 0) + 1);
     });
   };
@@ -159,11 +201,21 @@ function filledTriangles(shadowcut, shadows, light, origin) {
   return { found, lines };
 }
 
-export function checkAll(shadowcut, shadows, meshes, { sample = Infinity, random = Math.random } = {}) {
-  const origin = shadows.mesh.getWorldPosition(new THREE.Vector3().setFromMatrixPosition(shadows.mesh.matrixWorld)).toArray();
-  const followed = shadows.lights.map((light, index) => ({ light, index })).filter(({ light }) => light);
+export function checkAll(
+  shadowcut,
+  shadows,
+  meshes,
+  { sample = Infinity, random = Math.random } = {},
+) {
+  const origin = shadows.mesh
+    .getWorldPosition(new THREE.Vector3().setFromMatrixPosition(shadows.mesh.matrixWorld))
+    .toArray();
+  const followed = shadows.lights
+    .map((light, index) => ({ light, index }))
+    .filter(({ light }) => light);
   const light = followed.length > 1 ? 'all' : followed.length === 1 ? followed[0].index : 0;
-  if (followed.length > 0) checkTriangles(shadowcut, shadows, meshes, light, origin, followed, sample, random);
+  if (followed.length > 0)
+    checkTriangles(shadowcut, shadows, meshes, light, origin, followed, sample, random);
   checkLayers(shadows, meshes);
 }
 
@@ -173,11 +225,16 @@ function checkTriangles(shadowcut, shadows, meshes, light, origin, followed, sam
   const world = worldTriangles(shadows, meshes);
   let count = 0; // without those of a group for which there is no material
   const complete = (mesh) =>
-    !Array.isArray(mesh.material) || mesh.geometry.groups.every(({ materialIndex }) => mesh.material[materialIndex]);
+    !Array.isArray(mesh.material) ||
+    mesh.geometry.groups.every(({ materialIndex }) => mesh.material[materialIndex]);
   for (const [key, list] of found) {
     for (const { object } of list) {
       const triangles = world.get(object);
-      if (complete(triangles[0].mesh) || sourcesOf(key.split('|')[0].split(' ').map(Number), triangles, origin)[0].material) ++count;
+      if (
+        complete(triangles[0].mesh) ||
+        sourcesOf(key.split('|')[0].split(' ').map(Number), triangles, origin)[0].material
+      )
+        ++count;
     }
   }
   assert.equal(drawn.length, count, 'as many triangles as the engine has');
@@ -217,10 +274,13 @@ function checkAttributes(geometry, { vertices }, source, origin) {
   const { attributes, corners, points, mesh } = source;
   const size = Math.max(...points.map((p) => p.distanceTo(points[0])));
   const tolerance = 1e-3; // of floats, in triangles somewhat smaller than the scene
-  const height = new THREE.Triangle(...points).getArea() / size; // a needle's coordinates are worth little
+  // a needle's coordinates are worth little
+  const height = new THREE.Triangle(...points).getArea() / size;
   if (height < 0.02) return;
   for (const v of vertices) {
-    const p = new THREE.Vector3().fromBufferAttribute(geometry.attributes.position, v).add(new THREE.Vector3(...origin));
+    const p = new THREE.Vector3()
+      .fromBufferAttribute(geometry.attributes.position, v)
+      .add(new THREE.Vector3(...origin));
     const weights = barycentric(p, points).toArray();
     const mix = (values) => values.reduce((sum, value, k) => sum + weights[k] * value, 0);
     for (const name of ['uv', 'uv1', 'color']) {
@@ -233,12 +293,19 @@ function checkAttributes(geometry, { vertices }, source, origin) {
       const tinted = name === 'color' && mesh.instanceColor;
       for (let k = 0; k < got.itemSize; ++k) {
         let expected =
-          attribute && k < attribute.itemSize ? mix(corners.map((c) => attribute.getComponent(c, k))) : name === 'color' ? 1 : 0;
+          attribute && k < attribute.itemSize
+            ? mix(corners.map((c) => attribute.getComponent(c, k)))
+            : name === 'color'
+              ? 1
+              : 0;
         if (tinted) {
           if (!source.material.vertexColors) expected = 1;
           if (k < 3) expected *= mesh.instanceColor.getComponent(source.instance, k);
         }
-        assert.ok(Math.abs(got.getComponent(v, k) - expected) < 5 * tolerance, `${name}: ${got.getComponent(v, k)}, not ${expected}`);
+        assert.ok(
+          Math.abs(got.getComponent(v, k) - expected) < 5 * tolerance,
+          `${name}: ${got.getComponent(v, k)}, not ${expected}`,
+        );
       }
     }
     const normal = new THREE.Vector3().fromBufferAttribute(geometry.attributes.normal, v);
@@ -248,7 +315,9 @@ function checkAttributes(geometry, { vertices }, source, origin) {
         // at the corners, as three.js does; or, where triangles were joined, only in the end
         const sum = new THREE.Vector3();
         corners.forEach((c, k) => {
-          const n = new THREE.Vector3().fromBufferAttribute(attributes.normal, c).applyMatrix3(source.normalMatrix);
+          const n = new THREE.Vector3()
+            .fromBufferAttribute(attributes.normal, c)
+            .applyMatrix3(source.normalMatrix);
           sum.addScaledVector(unit ? n.normalize() : n, weights[k]);
         });
         if (sum.length() < 0.05) return;
@@ -261,14 +330,16 @@ function checkAttributes(geometry, { vertices }, source, origin) {
     assert.ok(near, `normal ${normal.toArray()}, not ${expected[0].toArray()}`);
   }
 }
-// As three.js would draw it: the front is where the source triangle's corners run counter-clockwise, in the object's frame.
+// As three.js would draw it: the front is where the source triangle's corners run
+// counter-clockwise, in the object's frame.
 function checkWinding({ points }, source) {
   const [a, b, c] = [0, 3, 6].map((k) => new THREE.Vector3(...points.slice(k, k + 3)));
   const turned = new THREE.Triangle(a, b, c),
     whole = new THREE.Triangle(...source.points);
   const size = Math.max(a.distanceTo(b), b.distanceTo(c), c.distanceTo(a));
   if (turned.getArea() <= 1e-4 * size) return; // what floats make of a needle has any direction
-  const cosine = turned.getNormal(new THREE.Vector3()).dot(whole.getNormal(new THREE.Vector3())) * source.flip;
+  const cosine =
+    turned.getNormal(new THREE.Vector3()).dot(whole.getNormal(new THREE.Vector3())) * source.flip;
   assert.ok(cosine > 0.9, `turned the wrong way: ${cosine}`);
 }
 
@@ -309,7 +380,10 @@ function checkRays({ points, mask }, source, closed, casters, followed, origin, 
     let direction = at.clone().sub(centre),
       distance = direction.length();
     if (light.isDirectionalLight)
-      ((direction = at.clone().sub(new THREE.Vector3().setFromMatrixPosition(light.target.matrixWorld))), (distance = 1e3));
+      ((direction = at
+        .clone()
+        .sub(new THREE.Vector3().setFromMatrixPosition(light.target.matrixWorld))),
+        (distance = 1e3));
     direction.normalize();
     if (isOutOfReach(light, direction, distance)) continue; // there is nothing to be in shadow of
     const bit = only === 'all' ? index : 0;
@@ -339,7 +413,9 @@ function checkLines(shadows, expected) {
     const a = geometry.index.getX(i),
       b = geometry.index.getX(i + 1);
     if (a === b) continue;
-    const key = [a, b].map((v) => [position.getX(v), position.getY(v), position.getZ(v)].join(' ')).join(' - ');
+    const key = [a, b]
+      .map((v) => [position.getX(v), position.getY(v), position.getZ(v)].join(' '))
+      .join(' - ');
     lines.set(key, (lines.get(key) ?? 0) + 1);
   }
   assert.deepEqual(new Map([...lines].sort()), new Map([...expected].sort()), 'outlines');
@@ -349,7 +425,8 @@ function checkLayers(shadows, meshes) {
   for (const mesh of meshes) {
     let shown = true;
     mesh.traverseAncestors((parent) => (shown &&= parent.visible));
-    const there = shown && mesh.visible && mesh.receiveShadow && shadows.objectOf(mesh) !== undefined;
+    const there =
+      shown && mesh.visible && mesh.receiveShadow && shadows.objectOf(mesh) !== undefined;
     assert.equal(mesh.layers.mask, there ? 1 << 31 : 1, 'the layer');
   }
 }
@@ -367,7 +444,10 @@ export function areas(shadows, meshes) {
         if (object === undefined) continue;
         let lit = 0,
           shadowed = 0;
-        list.forEach((area, f) => faces[f].object === object && ((lit += area.lit), (shadowed += area.shadowed)));
+        list.forEach(
+          (area, f) =>
+            faces[f].object === object && ((lit += area.lit), (shadowed += area.shadowed)),
+        );
         out[`${m} ${k} ${light.uuid}`] = [lit, shadowed];
       }
     });

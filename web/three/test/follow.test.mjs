@@ -1,4 +1,5 @@
-// Random scenes changed at random: after every change, what is drawn must be what the scene says, as a SceneShadows built for it would.
+// Random scenes changed at random: after every change, what is drawn must be what the scene says,
+// as a SceneShadows built for it would.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { load } from 'shadowcut';
@@ -30,14 +31,16 @@ for (const seed of seeds) {
         if (i % 5 === 0) compareWithFresh(made, shadows);
       }
       shadows.engine.validate();
-      for (const { message } of shadows.issues) assert.equal(message, 'has no triangles'); // of groups, or in a range, that there are not
+      // of groups, or in a range, that there are not
+      for (const { message } of shadows.issues) assert.equal(message, 'has no triangles');
     } catch (error) {
       error.message = `seed ${seed}, after ${seen.slice(-6).join(', ')} (${seen.length} changes): ${error.message}`;
       throw error;
     } finally {
       shadows.dispose();
     }
-    for (const mesh of made.meshes) assert.equal(mesh.layers.mask, 1, 'its layers have been given back');
+    for (const mesh of made.meshes)
+      assert.equal(mesh.layers.mask, 1, 'its layers have been given back');
     assert.ok(!made.scene.children.includes(shadows.mesh));
   });
 }
@@ -51,7 +54,10 @@ function compareWithFresh(made, shadows) {
     assert.deepEqual(Object.keys(got).sort(), Object.keys(expected).sort());
     for (const [key, values] of Object.entries(expected)) {
       values.forEach((value, k) =>
-        assert.ok(Math.abs(value - got[key][k]) < 1e-7 * (1 + value), `area of ${key}: ${got[key][k]}, not ${value}`),
+        assert.ok(
+          Math.abs(value - got[key][k]) < 1e-7 * (1 + value),
+          `area of ${key}: ${got[key][k]}, not ${value}`,
+        ),
       );
     }
     const drawn = drawnArea(shadows),

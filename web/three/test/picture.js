@@ -1,4 +1,5 @@
-// One scene, drawn by fragments and by three.js' own shadow maps; how far the two pictures differ. Runs in the page of picture.html.
+// One scene, drawn by fragments and by three.js' own shadow maps; how far the two pictures differ.
+// Runs in the page of picture.html.
 import * as THREE from 'three';
 import { load } from 'shadowcut';
 import { SceneShadows } from 'shadowcut-three';
@@ -17,10 +18,28 @@ function makeScene() {
     scene.add(mesh);
     return mesh;
   };
-  add(new THREE.BoxGeometry(12, 0.2, 12), new THREE.MeshStandardMaterial({ color: 0xffffff, roughness: 0.8 }), [0, -0.1, 0]);
-  add(new THREE.BoxGeometry(1, 2, 1), new THREE.MeshLambertMaterial({ color: 0xd0e0ff }), [-1.5, 1, 0], (mesh) => (mesh.rotation.y = 0.4));
-  add(new THREE.IcosahedronGeometry(0.7, 0), new THREE.MeshStandardMaterial({ color: 0xffe0c0, flatShading: true }), [1.5, 1.4, 0.5]);
-  add(new THREE.BoxGeometry(1.2, 0.6, 0.8), new THREE.MeshPhongMaterial({ color: 0xc0ffc0 }), [0.2, 0.3, 2], (mesh) => (mesh.scale.x = -1));
+  add(
+    new THREE.BoxGeometry(12, 0.2, 12),
+    new THREE.MeshStandardMaterial({ color: 0xffffff, roughness: 0.8 }),
+    [0, -0.1, 0],
+  );
+  add(
+    new THREE.BoxGeometry(1, 2, 1),
+    new THREE.MeshLambertMaterial({ color: 0xd0e0ff }),
+    [-1.5, 1, 0],
+    (mesh) => (mesh.rotation.y = 0.4),
+  );
+  add(
+    new THREE.IcosahedronGeometry(0.7, 0),
+    new THREE.MeshStandardMaterial({ color: 0xffe0c0, flatShading: true }),
+    [1.5, 1.4, 0.5],
+  );
+  add(
+    new THREE.BoxGeometry(1.2, 0.6, 0.8),
+    new THREE.MeshPhongMaterial({ color: 0xc0ffc0 }),
+    [0.2, 0.3, 2],
+    (mesh) => (mesh.scale.x = -1),
+  );
   add(
     new THREE.PlaneGeometry(2, 1.2),
     new THREE.MeshLambertMaterial({ color: 0xffffff, side: THREE.DoubleSide }),
@@ -33,7 +52,11 @@ function makeScene() {
     [3, 0.8, -1],
     (mesh) => (mesh.receiveShadow = false),
   );
-  const posts = new THREE.InstancedMesh(new THREE.BoxGeometry(0.2, 1.4, 0.2), new THREE.MeshToonMaterial(), 4);
+  const posts = new THREE.InstancedMesh(
+    new THREE.BoxGeometry(0.2, 1.4, 0.2),
+    new THREE.MeshToonMaterial(),
+    4,
+  );
   for (let k = 0; k < 4; ++k) {
     posts.setMatrixAt(k, new THREE.Matrix4().makeTranslation(-3.6 + 0.7 * k, 0.7, -3));
     posts.setColorAt(k, new THREE.Color().setHSL(k / 4, 0.6, 0.7));
@@ -66,7 +89,8 @@ function draw(renderer, scene, camera) {
   renderer.render(scene, camera);
   return pixels;
 }
-const step = (a, i, b, j) => Math.max(Math.abs(a[i] - b[j]), Math.abs(a[i + 1] - b[j + 1]), Math.abs(a[i + 2] - b[j + 2]));
+const step = (a, i, b, j) =>
+  Math.max(Math.abs(a[i] - b[j]), Math.abs(a[i + 1] - b[j + 1]), Math.abs(a[i + 2] - b[j + 2]));
 
 // The share of pixels that differ, and how far from an edge of the second picture they are at most.
 function compare(a, b) {
@@ -79,7 +103,9 @@ function compare(a, b) {
       if (step(a, i, b, i) <= 6) continue;
       ++differing;
       const distance = distanceToEdge(b, x, y);
-      if (distance > farthest) ((farthest = distance), (worst = [x, y, [...a.subarray(i, i + 3)], [...b.subarray(i, i + 3)]]));
+      if (distance > farthest)
+        ((farthest = distance),
+          (worst = [x, y, [...a.subarray(i, i + 3)], [...b.subarray(i, i + 3)]]));
     }
   }
   return { share: differing / (width * height), farthest, worst };
@@ -122,7 +148,8 @@ window.run = async () => {
   shot('fragments');
   const both = compare(fragments, maps);
 
-  // Moved by updates, and there again; then as a scene of its own: what was uploaded in ranges is what there is.
+  // Moved by updates, and there again; then as a scene of its own: what was uploaded in ranges is
+  // what there is.
   const box = scene.children.find((object) => object.position.y === 1);
   for (let i = 1; i <= 20; ++i) {
     box.position.x = -1.5 + 2 * Math.sin(i / 3);

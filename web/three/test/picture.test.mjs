@@ -1,5 +1,5 @@
-// In a browser: a scene with two lights of different colours, drawn by fragments and by three.js' shadow maps. SHADOWCUT_PICTURES is a
-// folder for the pictures; SHADOWCUT_CHROMIUM, the browser.
+// In a browser: a scene with two lights of different colours, drawn by fragments and by three.js'
+// shadow maps. SHADOWCUT_PICTURES is a folder for the pictures; SHADOWCUT_CHROMIUM, the browser.
 import assert from 'node:assert/strict';
 import { mkdir, readFile, writeFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
@@ -16,7 +16,9 @@ async function serve() {
     const path = normalize(new URL(request.url, 'http://x').pathname);
     try {
       const body = await readFile(join(root, path));
-      response.writeHead(200, { 'content-type': types[extname(path)] ?? 'application/octet-stream' }).end(body);
+      response
+        .writeHead(200, { 'content-type': types[extname(path)] ?? 'application/octet-stream' })
+        .end(body);
     } catch {
       response.writeHead(404).end();
     }
@@ -27,11 +29,17 @@ async function serve() {
 
 test('fragments shade as shadow maps do, but for the edges', { timeout: 180000 }, async () => {
   const server = await serve();
-  const browser = await chromium.launch({ executablePath: process.env.SHADOWCUT_CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] });
+  const browser = await chromium.launch({
+    executablePath: process.env.SHADOWCUT_CHROMIUM ?? '/usr/bin/chromium',
+    args: ['--no-sandbox'],
+  });
   try {
     const page = await browser.newPage({ viewport: { width: 800, height: 500 } });
     const said = [];
-    page.on('console', (message) => ['error', 'warning'].includes(message.type()) && said.push(message.text()));
+    page.on(
+      'console',
+      (message) => ['error', 'warning'].includes(message.type()) && said.push(message.text()),
+    );
     page.on('pageerror', (error) => said.push(String(error)));
     await page.goto(`http://127.0.0.1:${server.address().port}/three/test/picture.html`);
     await page.waitForFunction(() => window.ready, undefined, { timeout: 60000 });
@@ -50,7 +58,10 @@ test('fragments shade as shadow maps do, but for the edges', { timeout: 180000 }
     assert.equal(result.errors, 0);
     assert.equal(result.issues, 0);
     assert.ok(result.both.share < 0.02, `${result.both.share} of the pixels differ`);
-    assert.ok(result.both.farthest <= 3, `a pixel differs ${result.both.farthest} pixels from an edge`);
+    assert.ok(
+      result.both.farthest <= 3,
+      `a pixel differs ${result.both.farthest} pixels from an edge`,
+    );
     assert.ok(result.ranges.share < 0.0005, 'what was uploaded in ranges is what there is');
     assert.ok(result.unshadowed > 0.05, 'the shadows are there');
   } finally {

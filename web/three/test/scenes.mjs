@@ -11,7 +11,12 @@ export function randomFrom(seed) {
     return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
   };
   const between = (low, high) => low + (high - low) * next();
-  return { next, between, below: (n) => Math.floor(n * next()), pick: (list) => list[Math.floor(list.length * next())] };
+  return {
+    next,
+    between,
+    below: (n) => Math.floor(n * next()),
+    pick: (list) => list[Math.floor(list.length * next())],
+  };
 }
 
 const materials = (r) => {
@@ -72,13 +77,15 @@ function place(object, r) {
 
 function randomMesh(r) {
   const geometry = geometries(r);
-  const material = geometry.groups.length > 0 && r.next() < 0.5 ? [0, 1, 2].map(() => materials(r)) : materials(r);
+  const material =
+    geometry.groups.length > 0 && r.next() < 0.5 ? [0, 1, 2].map(() => materials(r)) : materials(r);
   let mesh;
   if (r.next() < 0.2) {
     mesh = new THREE.InstancedMesh(geometry, material, 4);
     mesh.count = 1 + r.below(4);
     for (let k = 0; k < 4; ++k) setInstance(mesh, k, r);
-    if (r.next() < 0.7) for (let k = 0; k < 4; ++k) mesh.setColorAt(k, new THREE.Color(r.next(), r.next(), r.next()));
+    if (r.next() < 0.7)
+      for (let k = 0; k < 4; ++k) mesh.setColorAt(k, new THREE.Color(r.next(), r.next(), r.next()));
   } else {
     mesh = new THREE.Mesh(geometry, material);
   }
@@ -132,7 +139,9 @@ export class RandomScene {
   addLight() {
     const light = randomLight(this.r);
     this.scene.add(light);
-    if (light.target) (this.scene.add(light.target), light.target.position.set(this.r.between(-2, 2), 0, this.r.between(-2, 2)));
+    if (light.target)
+      (this.scene.add(light.target),
+        light.target.position.set(this.r.between(-2, 2), 0, this.r.between(-2, 2)));
     this.lights.push(light);
   }
 
@@ -142,20 +151,27 @@ export class RandomScene {
     const mesh = r.pick(this.meshes),
       light = r.pick(this.lights);
     const changes = {
-      move: () => mesh.position.add(new THREE.Vector3(r.between(-0.5, 0.5), r.between(-0.2, 0.2), r.between(-0.5, 0.5))),
+      move: () =>
+        mesh.position.add(
+          new THREE.Vector3(r.between(-0.5, 0.5), r.between(-0.2, 0.2), r.between(-0.5, 0.5)),
+        ),
       rotate: () => mesh.rotateY(r.between(-1, 1)),
       scale: () => mesh.scale.set(r.between(0.5, 1.5), r.between(0.5, 1.5), r.between(0.5, 1.5)),
       mirror: () => (mesh.scale.x = -mesh.scale.x),
       moveGroup: () => this.group.rotateY(r.between(-1, 1)),
       add: () => this.meshes.length < 10 && this.addMesh(),
-      remove: () => this.meshes.length > 4 && (mesh.removeFromParent(), this.meshes.splice(this.meshes.indexOf(mesh), 1)),
+      remove: () =>
+        this.meshes.length > 4 &&
+        (mesh.removeFromParent(), this.meshes.splice(this.meshes.indexOf(mesh), 1)),
       hide: () => (mesh.visible = !mesh.visible),
       casts: () => (mesh.castShadow = !mesh.castShadow),
       receives: () => (mesh.receiveShadow = !mesh.receiveShadow),
       material: () => (mesh.material = materials(r)),
-      materials: () => mesh.geometry.groups.length > 0 && (mesh.material = [0, 1, 2, 3].map(() => materials(r))),
+      materials: () =>
+        mesh.geometry.groups.length > 0 && (mesh.material = [0, 1, 2, 3].map(() => materials(r))),
       shareMaterial: () => (mesh.material = r.pick(this.meshes).material),
-      vertexColors: () => [mesh.material].flat().forEach((each) => (each.vertexColors = !each.vertexColors)),
+      vertexColors: () =>
+        [mesh.material].flat().forEach((each) => (each.vertexColors = !each.vertexColors)),
       geometry: () => (mesh.geometry = geometries(r)),
       shareGeometry: () => (mesh.geometry = r.pick(this.meshes).geometry),
       deform: () => {
@@ -180,12 +196,16 @@ export class RandomScene {
       instanceCount: () => mesh.isInstancedMesh && (mesh.count = 1 + r.below(4)),
       instanceColor: () =>
         mesh.isInstancedMesh &&
-        (mesh.setColorAt(r.below(4), new THREE.Color(r.next(), r.next(), r.next())), (mesh.instanceColor.needsUpdate = true)),
+        (mesh.setColorAt(r.below(4), new THREE.Color(r.next(), r.next(), r.next())),
+        (mesh.instanceColor.needsUpdate = true)),
       reparent: () => r.pick([this.scene, this.group]).add(mesh),
-      moveLight: () => light?.position.add(new THREE.Vector3(r.between(-1, 1), 0, r.between(-1, 1))),
-      moveTarget: () => light?.target?.position.add(new THREE.Vector3(r.between(-1, 1), 0, r.between(-1, 1))),
+      moveLight: () =>
+        light?.position.add(new THREE.Vector3(r.between(-1, 1), 0, r.between(-1, 1))),
+      moveTarget: () =>
+        light?.target?.position.add(new THREE.Vector3(r.between(-1, 1), 0, r.between(-1, 1))),
       addLight: () => this.lights.length < 3 && this.addLight(),
-      removeLight: () => light && (light.removeFromParent(), this.lights.splice(this.lights.indexOf(light), 1)),
+      removeLight: () =>
+        light && (light.removeFromParent(), this.lights.splice(this.lights.indexOf(light), 1)),
       hideLight: () => light && (light.visible = !light.visible),
       nothing: () => {},
     };

@@ -1,5 +1,6 @@
-// The split view: on the left the scene with its shadows as geometry, on the right the same meshes and lights with three.js' shadow map. Both by
-// one camera, so that an edge runs on across the divider; and the zoom, which enlarges a part of the view.
+// The split view: on the left the scene with its shadows as geometry, on the right the same meshes
+// and lights with three.js' shadow map. Both by one camera, so that an edge runs on across the
+// divider; and the zoom, which enlarges a part of the view.
 import { Scene } from 'three';
 import { meshesOf } from './room.js';
 
@@ -18,7 +19,8 @@ export class Compare {
     this.#renderer = renderer;
   }
 
-  // The copy is made when it is first shown, and again when what it is a copy of is another, or has more or fewer parts.
+  // The copy is made when it is first shown, and again when what it is a copy of is another, or has
+  // more or fewer parts.
   forget() {
     if (!this.#copy) return;
     for (const [, light] of this.#copy.lights) light.dispose();
@@ -39,9 +41,18 @@ export class Compare {
     this.zoom = next;
   }
   aim(camera, width, height) {
-    const [x, y] = this.#centre, { zoom } = this;
+    const [x, y] = this.#centre,
+      { zoom } = this;
     if (zoom === 1) camera.clearViewOffset();
-    else camera.setViewOffset(width * zoom, height * zoom, (x * zoom - 0.5) * width, (y * zoom - 0.5) * height, width, height);
+    else
+      camera.setViewOffset(
+        width * zoom,
+        height * zoom,
+        (x * zoom - 0.5) * width,
+        (y * zoom - 0.5) * height,
+        width,
+        height,
+      );
   }
 
   render(scene, camera, width, height) {
@@ -90,12 +101,17 @@ export class Compare {
     for (const mesh of meshesOf(scene)) {
       if (mesh.userData.drawn) continue;
       const to = mesh.clone(false);
-      to.material = Array.isArray(mesh.material) ? mesh.material.map(material) : material(mesh.material);
+      to.material = Array.isArray(mesh.material)
+        ? mesh.material.map(material)
+        : material(mesh.material);
       to.layers.set(0);
       copy.meshes.push([mesh, to]);
       copy.scene.add(to);
     }
-    scene.traverse((object) => object.isLight && copy.lights.push([object, this.#copiedLight(object, copy.scene)]));
+    scene.traverse(
+      (object) =>
+        object.isLight && copy.lights.push([object, this.#copiedLight(object, copy.scene)]),
+    );
     return copy;
   }
   #copiedLight(light, scene) {
@@ -123,8 +139,12 @@ export function followDivider(divider, onShare) {
     held = event.pointerId;
     divider.setPointerCapture(held);
   });
-  divider.addEventListener('pointermove', (event) => event.pointerId === held && put(event.clientX / innerWidth));
-  for (const end of ['pointerup', 'pointercancel']) divider.addEventListener(end, () => (held = undefined));
+  divider.addEventListener(
+    'pointermove',
+    (event) => event.pointerId === held && put(event.clientX / innerWidth),
+  );
+  for (const end of ['pointerup', 'pointercancel'])
+    divider.addEventListener(end, () => (held = undefined));
   divider.addEventListener('keydown', (event) => {
     const by = { ArrowLeft: -0.02, ArrowRight: 0.02, PageDown: -0.1, PageUp: 0.1 }[event.code];
     if (by === undefined) return;

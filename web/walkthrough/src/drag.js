@@ -1,5 +1,5 @@
-// Moves furniture and lamps along the floor, or upright; what stands on a thing comes along. Things may be pushed into one another: the
-// engine cuts what crosses as well.
+// Moves furniture and lamps along the floor, or upright; what stands on a thing comes along. Things
+// may be pushed into one another: the engine cuts what crosses as well.
 import { Box3, Plane, Raycaster, Vector3 } from 'three';
 import { isWithin, meshesOf } from './room.js';
 
@@ -35,7 +35,9 @@ export class Drag {
   hitAlong(ray = this.#raycaster.ray) {
     this.#raycaster.ray.copy(ray);
     const isThing = (mesh) => mesh.castShadow || mesh.receiveShadow || mesh.parent?.isLight;
-    const meshes = meshesOf(this.world.scene).filter((mesh) => isThing(mesh) && mesh.layers.test(this.#raycaster.layers) && !mesh.userData.drawn);
+    const meshes = meshesOf(this.world.scene).filter(
+      (mesh) => isThing(mesh) && mesh.layers.test(this.#raycaster.layers) && !mesh.userData.drawn,
+    );
     const [first] = this.#raycaster.intersectObjects(meshes, false);
     return first && { point: first.point, movable: this.#movable(first.object) };
   }
@@ -50,9 +52,14 @@ export class Drag {
     this.held = movable;
     this.#carried = upright ? [] : this.carriedBy(movable);
     const eye = camera.getWorldPosition(new Vector3());
-    // A horizontal plane at the eye's own height is seen from its edge: there the thing goes sideways only.
+    // A horizontal plane at the eye's own height is seen from its edge: there the thing goes
+    // sideways only.
     const edgeOn = Math.abs(eye.y - point.y) < 0.12 * eye.distanceTo(point);
-    if (upright || edgeOn) this.#plane.setFromNormalAndCoplanarPoint(new Vector3(eye.x - point.x, 0, eye.z - point.z).normalize(), point);
+    if (upright || edgeOn)
+      this.#plane.setFromNormalAndCoplanarPoint(
+        new Vector3(eye.x - point.x, 0, eye.z - point.z).normalize(),
+        point,
+      );
     else this.#plane.setFromNormalAndCoplanarPoint(floorNormal, point);
     this.#offset.copy(movable.getWorldPosition(new Vector3())).sub(point);
     this.upright = upright;
@@ -67,7 +74,11 @@ export class Drag {
     if (!at || at.distanceTo(ray.origin) > farthest) return false;
     at.add(this.#offset);
     const now = this.held.getWorldPosition(new Vector3());
-    return this.moveBy(this.held, this.upright ? new Vector3(0, at.y - now.y, 0) : new Vector3(at.x - now.x, 0, at.z - now.z), this.#carried);
+    return this.moveBy(
+      this.held,
+      this.upright ? new Vector3(0, at.y - now.y, 0) : new Vector3(at.x - now.x, 0, at.z - now.z),
+      this.#carried,
+    );
   }
   release() {
     this.held = null;
@@ -76,12 +87,18 @@ export class Drag {
   // Moves a thing and what it carries, as far as the room goes.
   moveBy(object, by, carried = this.carriedBy(object)) {
     const { bounds } = this.world;
-    const box = object.isLight ? new Box3().setFromCenterAndSize(object.position, new Vector3(0.1, 0.1, 0.1)) : new Box3().setFromObject(object);
+    const box = object.isLight
+      ? new Box3().setFromCenterAndSize(object.position, new Vector3(0.1, 0.1, 0.1))
+      : new Box3().setFromObject(object);
     for (const axis of ['x', 'y', 'z']) {
-      by[axis] = Math.min(Math.max(by[axis], Math.min(bounds.min[axis] - box.min[axis], 0)), Math.max(bounds.max[axis] - box.max[axis], 0));
+      by[axis] = Math.min(
+        Math.max(by[axis], Math.min(bounds.min[axis] - box.min[axis], 0)),
+        Math.max(bounds.max[axis] - box.max[axis], 0),
+      );
     }
     if (by.lengthSq() === 0) return false;
-    for (const each of [object, ...carried]) this.#place(each, each.getWorldPosition(new Vector3()).add(by));
+    for (const each of [object, ...carried])
+      this.#place(each, each.getWorldPosition(new Vector3()).add(by));
     return true;
   }
   #place(object, world) {
@@ -95,9 +112,11 @@ export class Drag {
     if (object.isLight) return [];
     const others = new Map();
     for (const other of this.world.movables.values()) {
-      if (!other.isLight && !isWithin(other, object) && !isWithin(object, other)) others.set(other, new Box3().setFromObject(other));
+      if (!other.isLight && !isWithin(other, object) && !isWithin(object, other))
+        others.set(other, new Box3().setFromObject(other));
     }
-    const carried = [], open = [new Box3().setFromObject(object)];
+    const carried = [],
+      open = [new Box3().setFromObject(object)];
     while (open.length > 0) {
       const under = open.pop();
       for (const [other, box] of others) {
@@ -113,7 +132,11 @@ export class Drag {
 
 function carries(under, box) {
   const middle = box.getCenter(new Vector3());
-  const above = middle.x >= under.min.x && middle.x <= under.max.x && middle.z >= under.min.z && middle.z <= under.max.z;
+  const above =
+    middle.x >= under.min.x &&
+    middle.x <= under.max.x &&
+    middle.z >= under.min.z &&
+    middle.z <= under.max.z;
   const rests = above && Math.abs(box.min.y - under.max.y) < touching;
   return rests || under.clone().expandByScalar(touching).containsBox(box);
 }

@@ -1,10 +1,20 @@
 // The walkthrough: puts the parts together, and draws when something has changed.
 //
-//   room.js  what is shown          walk.js, pointer.js, drag.js  who moves what        compare.js  beside three.js' shadow map
-//   drop.js  somebody's own GLB     xr.js    in VR                                      panel.js, meter.js  figures
+//   room.js  what is shown          walk.js, pointer.js, drag.js  who moves what        compare.js
+//            beside three.js' shadow map
+//   drop.js  somebody's own GLB     xr.js    in VR                                      panel.js,
+//            meter.js  figures
 //
-// begin.js fetches the engine and the room; the room is drawn as soon as it is there, and with its shadows as soon as they are.
-import { Group, NeutralToneMapping, PerspectiveCamera, Vector2, Vector3, WebGLRenderer } from 'three';
+// begin.js fetches the engine and the room; the room is drawn as soon as it is there, and with its
+// shadows as soon as they are.
+import {
+  Group,
+  NeutralToneMapping,
+  PerspectiveCamera,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from 'three';
 import { SceneShadows } from 'shadowcut-three';
 import { Compare, followDivider } from './compare.js';
 import { Drag } from './drag.js';
@@ -64,7 +74,14 @@ class App {
     const moved = () => this.invalidate();
     const { walk, drag, camera, rig, renderer } = this;
     const chosen = (object) => this.choose(this.nameOfMovable(object));
-    this.pointer = new Pointer(canvas, document.getElementById('stick'), { walk, drag, camera, moved, chosen, zoomed: () => this.compare.zoom });
+    this.pointer = new Pointer(canvas, document.getElementById('stick'), {
+      walk,
+      drag,
+      camera,
+      moved,
+      chosen,
+      zoomed: () => this.compare.zoom,
+    });
     this.vr = new Vr({ renderer, rig, drag, walk, camera, ...this.#aroundVr() });
     this.#followKeys();
     followDrops(document.getElementById('dropping'), (file) => this.open(file));
@@ -73,14 +90,29 @@ class App {
       this.setCompare(this.compare.on);
     });
     addEventListener('resize', () => this.resize());
-    matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener('change', () => this.resize());
-    canvas.addEventListener('webglcontextlost', () => this.panel.say('The graphics processor has dropped this page. It may come back; otherwise reload.'));
+    matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener('change', () =>
+      this.resize(),
+    );
+    canvas.addEventListener('webglcontextlost', () =>
+      this.panel.say(
+        'The graphics processor has dropped this page. It may come back; otherwise reload.',
+      ),
+    );
     canvas.addEventListener('webglcontextrestored', () => this.panel.say(''));
-    addEventListener('wheel', (event) => {
-      if (event.ctrlKey || event.target.closest('#panel')) return; // those zoom the page, and scroll the panel
-      event.preventDefault();
-      this.setZoom(this.compare.zoom * 2 ** (-Math.sign(event.deltaY) / 4), event.clientX / innerWidth, event.clientY / innerHeight);
-    }, { passive: false });
+    addEventListener(
+      'wheel',
+      (event) => {
+        // those zoom the page, and scroll the panel
+        if (event.ctrlKey || event.target.closest('#panel')) return;
+        event.preventDefault();
+        this.setZoom(
+          this.compare.zoom * 2 ** (-Math.sign(event.deltaY) / 4),
+          event.clientX / innerWidth,
+          event.clientY / innerHeight,
+        );
+      },
+      { passive: false },
+    );
     this.resize();
     this.renderer.setAnimationLoop((time) => this.frame(time));
     prepareXr(this.panel);
@@ -105,7 +137,10 @@ class App {
     this.walk.enter(world);
     this.drag.enter(world);
     this.setZoom(1);
-    this.panel.names([...world.movables.keys()], (this.#chosen = [...world.movables.keys()].at(-1)));
+    this.panel.names(
+      [...world.movables.keys()],
+      (this.#chosen = [...world.movables.keys()].at(-1)),
+    );
     this.draw();
   }
   leave() {
@@ -120,8 +155,13 @@ class App {
   // The engine begins to follow the scene that is shown; builds at the next frame.
   follow() {
     this.unfollow();
-    this.shadows = new SceneShadows(this.shadowcut, this.world.scene, { kernel: this.kernel, layer, ...this.asNative });
-    this.shadows.mesh.userData.drawn = true; // by its fragments: no ray hits it, and no shadow map has it
+    this.shadows = new SceneShadows(this.shadowcut, this.world.scene, {
+      kernel: this.kernel,
+      layer,
+      ...this.asNative,
+    });
+    // by its fragments: no ray hits it, and no shadow map has it
+    this.shadows.mesh.userData.drawn = true;
     this.shadows.outlines = this.outlines;
     this.panel.forgetUpdates();
     this.built = false;
@@ -143,7 +183,10 @@ class App {
       else this.showInRoom(model, file.name, notes);
     } catch (error) {
       if (error instanceof Refusal) this.panel.say(error.message);
-      else if (error.status === 'OUT_OF_MEMORY') this.panel.say(`${file.name}: its shadows need more memory than this page can have. What was here before is here again.`);
+      else if (error.status === 'OUT_OF_MEMORY')
+        this.panel.say(
+          `${file.name}: its shadows need more memory than this page can have. What was here before is here again.`,
+        );
       else (console.error(error), this.panel.say(`${file.name}: ${error.message}.`));
     }
     this.invalidate();
@@ -184,7 +227,10 @@ class App {
   #sayModel(name, root, notes) {
     const words = [...notes];
     const issues = this.shadows.issues.filter(({ object }) => isWithin(object, root));
-    if (issues.length > 0) words.push(`${nameOf(issues[0].object)}: ${issues[0].message}${issues.length > 1 ? `; and ${issues.length - 1} more like it` : ''}.`);
+    if (issues.length > 0)
+      words.push(
+        `${nameOf(issues[0].object)}: ${issues[0].message}${issues.length > 1 ? `; and ${issues.length - 1} more like it` : ''}.`,
+      );
     this.panel.say(words.length > 0 ? `${name} is here. ${words.join(' ')}` : '');
   }
 
@@ -258,10 +304,18 @@ class App {
       NumpadSubtract: () => this.setZoom(this.compare.zoom / 2 ** 0.25),
       Escape: () => this.panel.say(''),
     };
-    const steps = { ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, 0, 1], ArrowDown: [0, 0, -1], PageUp: [0, 1, 0], PageDown: [0, -1, 0] };
+    const steps = {
+      ArrowLeft: [-1, 0, 0],
+      ArrowRight: [1, 0, 0],
+      ArrowUp: [0, 0, 1],
+      ArrowDown: [0, 0, -1],
+      PageUp: [0, 1, 0],
+      PageDown: [0, -1, 0],
+    };
     addEventListener('keydown', (event) => {
       this.#fast = event.shiftKey;
-      if (event.ctrlKey || event.altKey || event.metaKey || isField(event.target) || !this.world) return;
+      if (event.ctrlKey || event.altKey || event.metaKey || isField(event.target) || !this.world)
+        return;
       if (event.shiftKey && steps[event.code]) this.nudge(...steps[event.code]);
       else if (keys[event.code] && !event.repeat) keys[event.code]();
       else return;
@@ -269,12 +323,16 @@ class App {
     });
     addEventListener('keyup', (event) => (this.#fast = event.shiftKey));
   }
-  // Moves what is chosen by five centimetres, as the eye sees left and ahead, along the axis of the room that is nearest to it.
+  // Moves what is chosen by five centimetres, as the eye sees left and ahead, along the axis of the
+  // room that is nearest to it.
   nudge(right, up, forwards) {
     const object = this.world.movables.get(this.#chosen);
     if (!object) return;
-    const quarter = (Math.round(this.walk.yaw / (Math.PI / 2)) * Math.PI) / 2, sin = Math.round(Math.sin(quarter)), cos = Math.round(Math.cos(quarter));
-    if (this.drag.moveBy(object, inTheWorld(right, up, forwards, sin, cos).multiplyScalar(0.05))) this.invalidate();
+    const quarter = (Math.round(this.walk.yaw / (Math.PI / 2)) * Math.PI) / 2,
+      sin = Math.round(Math.sin(quarter)),
+      cos = Math.round(Math.cos(quarter));
+    if (this.drag.moveBy(object, inTheWorld(right, up, forwards, sin, cos).multiplyScalar(0.05)))
+      this.invalidate();
   }
 
   // ---- Drawing
@@ -338,25 +396,33 @@ class App {
   #failed(error) {
     console.error(error);
     this.unfollow();
-    this.panel.say(`The shadows have stopped: ${error.message}. “Everything as it was” begins anew.`);
+    this.panel.say(
+      `The shadows have stopped: ${error.message}. “Everything as it was” begins anew.`,
+    );
   }
 
   #account(done) {
     if (done.applied === 0 && this.built) return;
     if (this.built) {
-      this.panel.update({ ...done, buffersMs: done.ms - done.engineMs, uploadMs: this.upload.ms, uploadedBytes: this.upload.bytes });
-    }
-    else this.#buildMs = done.engineMs;
+      this.panel.update({
+        ...done,
+        buffersMs: done.ms - done.engineMs,
+        uploadMs: this.upload.ms,
+        uploadedBytes: this.upload.bytes,
+      });
+    } else this.#buildMs = done.engineMs;
     this.panel.state(this.figures());
     this.built = true;
     clearTimeout(this.#idle);
-    if (this.#buildMs < 50) this.#idle = setTimeout(() => this.measureRebuild(), 1500); // when nothing moves; what would be felt is left to the button
+    // when nothing moves; what would be felt is left to the button
+    if (this.#buildMs < 50) this.#idle = setTimeout(() => this.measureRebuild(), 1500);
   }
   figures() {
     const sum = { fragments: 0, lit: 0, facing: 0, lights: 0 };
     this.shadows?.lights.forEach((light, k) => {
       if (!light) return;
-      const { litFragments, shadowedFragments, litArea, facingArea } = this.shadows.engine.shadows(k).stats;
+      const { litFragments, shadowedFragments, litArea, facingArea } =
+        this.shadows.engine.shadows(k).stats;
       sum.fragments += litFragments + shadowedFragments;
       sum.lit += litArea;
       sum.facing += facingArea;
@@ -364,12 +430,14 @@ class App {
     });
     return sum;
   }
-  // Figures with all digits, and all fragments: those of faces turned away too, as `shadowcut replay` counts them.
+  // Figures with all digits, and all fragments: those of faces turned away too, as `shadowcut
+  // replay` counts them.
   state(done) {
     let allFragments = 0;
     this.shadows?.lights.forEach((light, k) => {
       const shadows = light && this.shadows.engine.shadows(k);
-      for (let block = 0; block < shadows?.blockCount; ++block) allFragments += shadows.fragmentCount(block);
+      for (let block = 0; block < shadows?.blockCount; ++block)
+        allFragments += shadows.fragmentCount(block);
     });
     return {
       ...this.figures(),
@@ -452,33 +520,48 @@ const painted = () => new Promise((resolve) => requestAnimationFrame(() => setTi
 
 const app = new App();
 export function begin(engine, room) {
-  app.begin(engine, room).catch((error) => app.panel.say(`This page could not begin: ${error.message}`));
+  app
+    .begin(engine, room)
+    .catch((error) => app.panel.say(`This page could not begin: ${error.message}`));
 }
 
-// For tests, which drive the page as a person would and compare its figures with the native engine's:
+// For tests, which drive the page as a person would and compare its figures with the native
+// engine's:
 //   frame()         the next frame's figures (state() above), and what its update did
-//   poses()         of all that the engine has, by name: sixteen numbers, row by row, local to world; and lights: where the points are
+//   poses()         of all that the engine has, by name: sixteen numbers, row by row, local to
+//                   world; and lights: where the points are
 //   under(x, y)     the name of what can be dragged there, in CSS pixels
 //   place(name, at) puts a thing there by itself, without what it carries
-//   undrawn(name, at)  the same, and at once all that a frame does but for the drawing: everything is uploaded, no material is visible
-//   asNative()      builds anew, as `shadowcut replay` does: the file's triangles are not joined to polygons, cells are as large as the engine likes
+//   undrawn(name, at)  the same, and at once all that a frame does but for the drawing: everything
+//                      is uploaded, no material is visible
+//   asNative()      builds anew, as `shadowcut replay` does: the file's triangles are not joined to
+//                   polygons, cells are as large as the engine likes
 window.walkthrough = {
   frame: () => app.nextFrame(),
   poses: () => {
     const poses = {};
     app.world.scene.traverse((object) => {
-      if (object.isMesh && app.shadows.objectOf(object) !== undefined) poses[nameOf(object)] = object.matrixWorld.clone().transpose().toArray();
+      if (object.isMesh && app.shadows.objectOf(object) !== undefined)
+        poses[nameOf(object)] = object.matrixWorld.clone().transpose().toArray();
     });
-    return { poses, lights: app.world.lights.map((light) => light.getWorldPosition(new Vector3()).toArray()) };
+    return {
+      poses,
+      lights: app.world.lights.map((light) => light.getWorldPosition(new Vector3()).toArray()),
+    };
   },
   under: (x, y) => {
-    const hit = app.drag.hit(new Vector2((2 * x) / innerWidth - 1, 1 - (2 * y) / innerHeight), app.camera);
+    const hit = app.drag.hit(
+      new Vector2((2 * x) / innerWidth - 1, 1 - (2 * y) / innerHeight),
+      app.camera,
+    );
     return hit?.movable && app.nameOfMovable(hit.movable);
   },
   place: (name, at) => void app.world.movables.get(name).position.fromArray(at),
   undrawn: (name, at) => {
     const all = [];
-    app.world.scene.traverse(({ material }) => material && all.push(...[material].flat().filter(({ visible }) => visible)));
+    app.world.scene.traverse(
+      ({ material }) => material && all.push(...[material].flat().filter(({ visible }) => visible)),
+    );
     window.walkthrough.place(name, at);
     all.forEach((material) => (material.visible = false));
     const frame = app.nextFrame();

@@ -1,5 +1,6 @@
-// Clocks. Uploads: what the calls take that hand bytes to WebGL, and how many bytes. Shadow maps: what three.js' pass takes until the graphics processor
-// is done with it. Figures: the middle and the 99th percentile of many.
+// Clocks. Uploads: what the calls take that hand bytes to WebGL, and how many bytes. Shadow maps:
+// what three.js' pass takes until the graphics processor is done with it. Figures: the middle and
+// the 99th percentile of many.
 
 // Counts what goes through gl.bufferData and gl.bufferSubData from now on.
 export class UploadMeter {
@@ -28,12 +29,14 @@ function bytesOf(name, args) {
   return length > 0 ? length * (data.BYTES_PER_ELEMENT ?? 1) : data.byteLength;
 }
 
-// Times the next pass of renderer.shadowMap. Reading a pixel is what makes WebGL wait; what was drawn before is waited for before the clock starts.
+// Times the next pass of renderer.shadowMap. Reading a pixel is what makes WebGL wait; what was
+// drawn before is waited for before the clock starts.
 export class MapMeter {
   ms = undefined;
   #due = false;
   constructor(renderer) {
-    const gl = renderer.getContext(), pixel = new Uint8Array(4);
+    const gl = renderer.getContext(),
+      pixel = new Uint8Array(4);
     const wait = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
     const { shadowMap } = renderer;
     const original = shadowMap.render.bind(shadowMap);

@@ -1,4 +1,5 @@
-// The panel: writes figures, and says when a setting was changed. What the figures are is said in index.html, under "What is what".
+// The panel: writes figures, and says when a setting was changed. What the figures are is said in
+// index.html, under "What is what".
 import { percentile } from './meter.js';
 
 const byId = (id) => document.getElementById(id);
@@ -10,7 +11,8 @@ export class Panel {
   updates = []; // ms of the last ones
   #shown = new Map();
 
-  // on: { kernel, outlines, compare, mapSize, zoom, chosen, file, reset, home, measure, vr }, functions of the new value.
+  // on: { kernel, outlines, compare, mapSize, zoom, chosen, file, reset, home, measure, vr },
+  // functions of the new value.
   constructor(on) {
     this.#listen('kernel', 'change', (field) => on.kernel(field.value));
     this.#listen('outlines', 'change', (field) => on.outlines(field.checked));
@@ -18,7 +20,8 @@ export class Panel {
     this.#listen('map-size', 'change', (field) => on.mapSize(Number(field.value)));
     this.#listen('zoom', 'input', (field) => on.zoom(2 ** Number(field.value)));
     this.#listen('chosen', 'change', (field) => on.chosen(field.value));
-    for (const button of ['reset', 'home', 'measure', 'vr']) this.#listen(button, 'click', () => on[button]());
+    for (const button of ['reset', 'home', 'measure', 'vr'])
+      this.#listen(button, 'click', () => on[button]());
     this.#listen('file', 'change', (field) => {
       if (field.files.length > 0) on.file(field.files[0]);
       field.value = ''; // so that the same file can be chosen again
@@ -58,7 +61,9 @@ export class Panel {
     byId('vr-why').textContent = words;
   }
   names(names, chosen) {
-    byId('chosen').replaceChildren(...names.map((name) => new Option(name, name, false, name === chosen)));
+    byId('chosen').replaceChildren(
+      ...names.map((name) => new Option(name, name, false, name === chosen)),
+    );
   }
 
   // What one update did, uploads included.
@@ -82,7 +87,18 @@ export class Panel {
   }
   forgetUpdates() {
     this.updates.length = 0;
-    for (const id of ['update', 'engine', 'buffers', 'upload', 'changed', 'middle', 'most', 'rebuild', 'map']) this.#write(id, '–');
+    for (const id of [
+      'update',
+      'engine',
+      'buffers',
+      'upload',
+      'changed',
+      'middle',
+      'most',
+      'rebuild',
+      'map',
+    ])
+      this.#write(id, '–');
   }
   rebuild(value, kernel) {
     this.#write('rebuild', `${ms(value)} (${kernel})`);

@@ -1,5 +1,5 @@
-// What mouse, pen and fingers on the view mean: whoever takes hold of furniture or a lamp drags it, whoever takes hold of anything else looks around;
-// two fingers walk. The stick is a thumb's.
+// What mouse, pen and fingers on the view mean: whoever takes hold of furniture or a lamp drags it,
+// whoever takes hold of anything else looks around; two fingers walk. The stick is a thumb's.
 import { Vector2 } from 'three';
 
 const lookPerWidth = 2.4; // radians for a drag across the whole view
@@ -15,7 +15,8 @@ export class Pointer {
     this.hold = hold;
     canvas.addEventListener('pointerdown', (event) => this.#down(event));
     canvas.addEventListener('pointermove', (event) => this.#move(event));
-    for (const end of ['pointerup', 'pointercancel', 'lostpointercapture']) canvas.addEventListener(end, (event) => this.#up(event));
+    for (const end of ['pointerup', 'pointercancel', 'lostpointercapture'])
+      canvas.addEventListener(end, (event) => this.#up(event));
     canvas.addEventListener('contextmenu', (event) => event.preventDefault());
     this.#follow(stick);
   }
@@ -23,7 +24,10 @@ export class Pointer {
   // In clip coordinates.
   point(event) {
     const { clientWidth, clientHeight } = this.canvas;
-    return this.#at.set((2 * event.clientX) / clientWidth - 1, 1 - (2 * event.clientY) / clientHeight);
+    return this.#at.set(
+      (2 * event.clientX) / clientWidth - 1,
+      1 - (2 * event.clientY) / clientHeight,
+    );
   }
   #down(event) {
     const { drag, camera, chosen } = this.hold;
@@ -42,8 +46,9 @@ export class Pointer {
     const before = this.#fingers.get(event.pointerId);
     if (!before) return this.#hover(event);
     const scale = 1 / this.canvas.clientWidth / this.#fingers.size;
-    const right = (event.clientX - before.x) * scale, down = (event.clientY - before.y) * scale;
-    before.x = event.clientX, before.y = event.clientY;
+    const right = (event.clientX - before.x) * scale,
+      down = (event.clientY - before.y) * scale;
+    ((before.x = event.clientX), (before.y = event.clientY));
     if (drag.held) drag.drag(this.point(event), camera);
     else if (this.#fingers.size > 1) walk.go(-right * walkPerWidth, down * walkPerWidth);
     else walk.look((right * lookPerWidth) / zoomed(), (down * lookPerWidth) / zoomed());
@@ -52,7 +57,10 @@ export class Pointer {
   #hover(event) {
     if (event.pointerType !== 'mouse') return;
     const { drag, camera } = this.hold;
-    this.canvas.classList.toggle('over', drag.hit(this.point(event), camera)?.movable !== undefined);
+    this.canvas.classList.toggle(
+      'over',
+      drag.hit(this.point(event), camera)?.movable !== undefined,
+    );
   }
   #up(event) {
     if (!this.#fingers.delete(event.pointerId)) return;
@@ -69,8 +77,10 @@ export class Pointer {
       this.hold.moved();
     };
     const follow = (event) => {
-      const box = stick.getBoundingClientRect(), radius = box.width / 2;
-      const x = (event.clientX - box.left) / radius - 1, y = (event.clientY - box.top) / radius - 1;
+      const box = stick.getBoundingClientRect(),
+        radius = box.width / 2;
+      const x = (event.clientX - box.left) / radius - 1,
+        y = (event.clientY - box.top) / radius - 1;
       const length = Math.max(Math.hypot(x, y), 1);
       put(x / length, y / length);
     };

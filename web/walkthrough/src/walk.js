@@ -1,9 +1,17 @@
-// Walking and looking: keys, a thumb's stick, two fingers, and turns of the head. Knows the eye; what the pointer means is pointer.js' business.
+// Walking and looking: keys, a thumb's stick, two fingers, and turns of the head. Knows the eye;
+// what the pointer means is pointer.js' business.
 import { MathUtils, Vector3 } from 'three';
 
 const speed = 2.2; // metres a second
 const axes = {
-  KeyW: [0, 1], ArrowUp: [0, 1], KeyS: [0, -1], ArrowDown: [0, -1], KeyA: [-1, 0], ArrowLeft: [-1, 0], KeyD: [1, 0], ArrowRight: [1, 0],
+  KeyW: [0, 1],
+  ArrowUp: [0, 1],
+  KeyS: [0, -1],
+  ArrowDown: [0, -1],
+  KeyA: [-1, 0],
+  ArrowLeft: [-1, 0],
+  KeyD: [1, 0],
+  ArrowRight: [1, 0],
 };
 const lifts = { KeyE: 1, KeyQ: -1 };
 
@@ -40,7 +48,7 @@ export class Walk {
     const { at, yaw, pitch } = this.world.start;
     this.#rig.position.set(at.x, 0, at.z);
     this.#camera.position.set(0, at.y, 0);
-    this.#yaw = yaw, this.#pitch = pitch;
+    ((this.#yaw = yaw), (this.#pitch = pitch));
     this.#turn();
   }
 
@@ -65,17 +73,23 @@ export class Walk {
   // In the world.
   goBy(by) {
     const { position } = this.#rig;
-    position.x += by.x, position.z += by.z;
-    const { min, max } = this.world.bounds, margin = 0.15;
+    ((position.x += by.x), (position.z += by.z));
+    const { min, max } = this.world.bounds,
+      margin = 0.15;
     position.x = MathUtils.clamp(position.x, min.x + margin, max.x - margin);
     position.z = MathUtils.clamp(position.z, min.z + margin, max.z - margin);
-    this.#camera.position.y = MathUtils.clamp(this.#camera.position.y + by.y, min.y + margin, max.y - margin);
+    this.#camera.position.y = MathUtils.clamp(
+      this.#camera.position.y + by.y,
+      min.y + margin,
+      max.y - margin,
+    );
   }
   // Whether anything moved.
   step(seconds, fast) {
-    let [right, forwards] = this.#thumb, up = 0;
+    let [right, forwards] = this.#thumb,
+      up = 0;
     for (const key of this.#keys) {
-      right += axes[key]?.[0] ?? 0, forwards += axes[key]?.[1] ?? 0, up += lifts[key] ?? 0;
+      ((right += axes[key]?.[0] ?? 0), (forwards += axes[key]?.[1] ?? 0), (up += lifts[key] ?? 0));
     }
     if (right === 0 && forwards === 0 && up === 0) return false;
     const metres = speed * seconds * (fast ? 2.5 : 1);
@@ -91,9 +105,14 @@ export class Walk {
 }
 
 // What is to the right, up and forwards of an eye that is turned to the left by an angle.
-export const inTheWorld = (right, up, forwards, sin, cos) => new Vector3(right * cos - forwards * sin, up, -right * sin - forwards * cos);
+export const inTheWorld = (right, up, forwards, sin, cos) =>
+  new Vector3(right * cos - forwards * sin, up, -right * sin - forwards * cos);
 
 // Keys there are the field's own.
 export function isField(element) {
-  return element instanceof HTMLSelectElement || (element instanceof HTMLInputElement && element.type !== 'checkbox') || element.getAttribute?.('role') === 'slider';
+  return (
+    element instanceof HTMLSelectElement ||
+    (element instanceof HTMLInputElement && element.type !== 'checkbox') ||
+    element.getAttribute?.('role') === 'slider'
+  );
 }

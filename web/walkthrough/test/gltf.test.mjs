@@ -1,5 +1,5 @@
-// What `shadowcut cast` writes as glTF: the Khronos validator finds nothing wrong with it, and three.js' loader finds every object by its name, with materials
-// for lit and shadowed.
+// What `shadowcut cast` writes as glTF: the Khronos validator finds nothing wrong with it, and
+// three.js' loader finds every object by its name, with materials for lit and shadowed.
 import assert from 'node:assert/strict';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -31,27 +31,53 @@ const scenes = [
 
 // In Node: three.js' loader of files, data: ones too, tells of its progress in browsers' events.
 globalThis.ProgressEvent ??= class extends Event {};
-const parse = (bytes) => new GLTFLoader().parseAsync(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength), '');
+const parse = (bytes) =>
+  new GLTFLoader().parseAsync(
+    bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength),
+    '',
+  );
 
 for (const [scene, ...lights] of scenes) {
   for (const extension of ['glb', 'gltf']) {
     for (const form of extension === 'glb' ? ['merged', 'pieces', 'conforming'] : ['merged']) {
       test(`${scene.split('/').at(-1)}, ${lights.length} lights given, .${extension}, ${form}`, async () => {
         const file = join(folder, `out.${extension}`);
-        native('cast', scene, '--quiet', ...lights.flatMap((light) => ['--light', light]), '--form', form, '-o', file);
+        native(
+          'cast',
+          scene,
+          '--quiet',
+          ...lights.flatMap((light) => ['--light', light]),
+          '--form',
+          form,
+          '-o',
+          file,
+        );
         const bytes = readFileSync(file);
-        const { issues } = await validator.validateBytes(new Uint8Array(bytes), { uri: file, maxIssues: 20 });
-        assert.equal(issues.numErrors + issues.numWarnings, 0, JSON.stringify(issues.messages, null, 1));
+        const { issues } = await validator.validateBytes(new Uint8Array(bytes), {
+          uri: file,
+          maxIssues: 20,
+        });
+        assert.equal(
+          issues.numErrors + issues.numWarnings,
+          0,
+          JSON.stringify(issues.messages, null, 1),
+        );
 
         const { objects } = JSON.parse(native('inspect', scene, '--json', '-'));
         const loaded = (await parse(bytes)).scene;
-        assert.deepEqual(new Set(loaded.children.map(nameOf)), new Set(objects.map(({ name }) => name)));
+        assert.deepEqual(
+          new Set(loaded.children.map(nameOf)),
+          new Set(objects.map(({ name }) => name)),
+        );
         const materials = new Set();
         loaded.traverse((object) => {
           if (!object.isMesh) return;
           materials.add(object.material.name);
           const corner = new Vector3();
-          for (let i = 0; i < object.geometry.attributes.position.count; ++i) assert.ok(corner.fromBufferAttribute(object.geometry.attributes.position, i).length() < 1e3);
+          for (let i = 0; i < object.geometry.attributes.position.count; ++i)
+            assert.ok(
+              corner.fromBufferAttribute(object.geometry.attributes.position, i).length() < 1e3,
+            );
         });
         assert.ok([...materials].some((name) => name.startsWith('lit')));
         for (const name of materials) assert.match(name, /^(lit|shadowed|lit by \d+(\+\d+)*)$/);
@@ -61,6 +87,8 @@ for (const [scene, ...lights] of scenes) {
 }
 
 test('the room that the page shows', async () => {
-  const { issues } = await validator.validateBytes(new Uint8Array(readFileSync(roomFile)), { maxIssues: 20 });
+  const { issues } = await validator.validateBytes(new Uint8Array(readFileSync(roomFile)), {
+    maxIssues: 20,
+  });
   assert.equal(issues.numErrors + issues.numWarnings, 0, JSON.stringify(issues.messages, null, 1));
 });

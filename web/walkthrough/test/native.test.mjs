@@ -1,7 +1,8 @@
-// The page beside the native program: the same room, furniture and lamp dragged by the mouse, and the lit area and the number of fragments after every
-// step. They are the same to the last bit with every kernel: the room's coordinates are floats (make_room.mjs), poses are doubles on both
-// sides, the module computes as native code does, and the page is told to leave the file's triangles and the engine's
-// settings as they are.
+// The page beside the native program: the same room, furniture and lamp dragged by the mouse, and
+// the lit area and the number of fragments after every step. They are the same to the last bit with
+// every kernel: the room's coordinates are floats (make_room.mjs), poses are doubles on both sides,
+// the module computes as native code does, and the page is told to leave the file's triangles and
+// the engine's settings as they are.
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -15,9 +16,14 @@ const poses = (page) => page.evaluate(() => window.walkthrough.poses());
 function editsBetween(before, now) {
   const edits = [];
   for (const [object, matrix] of Object.entries(now.poses)) {
-    if (matrix.some((number, k) => number !== before.poses[object][k])) edits.push({ op: 'pose', object, matrix });
+    if (matrix.some((number, k) => number !== before.poses[object][k]))
+      edits.push({ op: 'pose', object, matrix });
   }
-  now.lights.forEach((at, light) => at.some((number, k) => number !== before.lights[light][k]) && edits.push({ op: 'light', light, at }));
+  now.lights.forEach(
+    (at, light) =>
+      at.some((number, k) => number !== before.lights[light][k]) &&
+      edits.push({ op: 'light', light, at }),
+  );
   return edits;
 }
 
@@ -41,17 +47,32 @@ function replayed(kernel, history) {
   const script = join(on.folder, `${kernel}.jsonl`);
   const lines = history.flatMap(({ edits }) => [...edits, { op: 'update' }]);
   writeFileSync(script, lines.map((line) => JSON.stringify(line)).join('\n'));
-  return JSON.parse(native('replay', roomFile, script, '--quiet', '--kernel', kernel, '--threads', '1', '--json', '-'));
+  return JSON.parse(
+    native(
+      'replay',
+      roomFile,
+      script,
+      '--quiet',
+      '--kernel',
+      kernel,
+      '--threads',
+      '1',
+      '--json',
+      '-',
+    ),
+  );
 }
 
 const spiral = ([x, y], count, width, height) =>
   Array.from({ length: count }, (_, k) => {
-    const turn = (4 * Math.PI * (k + 1)) / count, far = (k + 1) / count;
-    return [x + width * far * Math.sin(turn), y + height * far * (1 - Math.cos(turn)) / 2];
+    const turn = (4 * Math.PI * (k + 1)) / count,
+      far = (k + 1) / count;
+    return [x + width * far * Math.sin(turn), y + (height * far * (1 - Math.cos(turn))) / 2];
   });
 
-// The page as it is joins triangles to polygons: fewer faces and fragments of the same region. Its corners are within a unit in the last place of it, as the native
-// program's are, and the areas are added up in another order.
+// The page as it is joins triangles to polygons: fewer faces and fragments of the same region. Its
+// corners are within a unit in the last place of it, as the native program's are, and the areas are
+// added up in another order.
 test('as the page is by itself: the same lit area, within 1e-12 of it, kernel exact', async () => {
   const { page, context, complaints } = await open(on.browser, on.server.address);
   await page.selectOption('#kernel', 'exact');
@@ -62,7 +83,10 @@ test('as the page is by itself: the same lit area, within 1e-12 of it, kernel ex
   const { build, updates } = replayed('exact', history);
   [start, ...history].forEach(({ lit, allFragments }, k) => {
     const { lit_area, fragments } = [build, ...updates][k];
-    assert.ok(Math.abs(lit - lit_area) <= 1e-12 * lit_area, `update ${k}: ${lit}, native ${lit_area}`);
+    assert.ok(
+      Math.abs(lit - lit_area) <= 1e-12 * lit_area,
+      `update ${k}: ${lit}, native ${lit_area}`,
+    );
     assert.ok(allFragments < fragments);
   });
   assert.deepEqual(complaints, []);
@@ -87,13 +111,25 @@ for (const kernel of ['exact', 'fast', 'single']) {
     const { build, updates } = replayed(kernel, history);
     assert.equal(start.lit, build.lit_area);
     assert.equal(start.allFragments, build.fragments);
-    assert.deepEqual(history.map(({ lit }) => lit), updates.map((update) => update.lit_area));
-    assert.deepEqual(history.map(({ allFragments }) => allFragments), updates.map((update) => update.fragments));
-    const { fragments, facing } = await frame(page), lit = updates.at(-1).lit_area;
-    assert.equal(await page.locator('#lit').textContent(), `${lit.toFixed(6)} m² (${((100 * lit) / facing).toFixed(1)} %)`);
+    assert.deepEqual(
+      history.map(({ lit }) => lit),
+      updates.map((update) => update.lit_area),
+    );
+    assert.deepEqual(
+      history.map(({ allFragments }) => allFragments),
+      updates.map((update) => update.fragments),
+    );
+    const { fragments, facing } = await frame(page),
+      lit = updates.at(-1).lit_area;
+    assert.equal(
+      await page.locator('#lit').textContent(),
+      `${lit.toFixed(6)} m² (${((100 * lit) / facing).toFixed(1)} %)`,
+    );
     assert.equal(await page.locator('#fragments').textContent(), String(fragments));
     assert.deepEqual(complaints, []);
-    t.diagnostic(`lit areas from ${Math.min(...updates.map((u) => u.lit_area))} to ${Math.max(...updates.map((u) => u.lit_area))} m²: the same bits`);
+    t.diagnostic(
+      `lit areas from ${Math.min(...updates.map((u) => u.lit_area))} to ${Math.max(...updates.map((u) => u.lit_area))} m²: the same bits`,
+    );
     await context.close();
   });
 }

@@ -1,5 +1,5 @@
-// The page, driven as a person would: mouse, keys, fingers, files. No console error, no request to another host; and whatever it is given, the room
-// stays usable.
+// The page, driven as a person would: mouse, keys, fingers, files. No console error, no request to
+// another host; and whatever it is given, the room stays usable.
 import assert from 'node:assert/strict';
 import { truncateSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -28,9 +28,14 @@ async function isUsable(page) {
 
 test('the first picture', async (t) => {
   const { page, context, complaints } = await open(on.browser, on.server.address);
-  const marks = await page.evaluate(() => Object.fromEntries(performance.getEntriesByType('mark').map(({ name, startTime }) => [name, startTime])));
+  const marks = await page.evaluate(() =>
+    Object.fromEntries(
+      performance.getEntriesByType('mark').map(({ name, startTime }) => [name, startTime]),
+    ),
+  );
   assert.ok(marks['the room is drawn'] <= marks['the shadows are drawn']);
-  for (const [name, ms] of Object.entries(marks)) t.diagnostic(`${name}: ${ms.toFixed(0)} ms after the page was asked for`);
+  for (const [name, ms] of Object.entries(marks))
+    t.diagnostic(`${name}: ${ms.toFixed(0)} ms after the page was asked for`);
   assert.equal(await page.title(), 'shadowcut: a walk through exact shadows');
   await isUsable(page);
   assert.deepEqual(complaints, []);
@@ -40,7 +45,11 @@ test('the first picture', async (t) => {
 test('settings, by mouse and by keys', async () => {
   const { page, context, complaints } = await open(on.browser, on.server.address);
   const { lit, fragments } = await frame(page);
-  for (const [key, kernel] of [['2', 'exact'], ['3', 'single'], ['1', 'fast']]) {
+  for (const [key, kernel] of [
+    ['2', 'exact'],
+    ['3', 'single'],
+    ['1', 'fast'],
+  ]) {
     const now = await press(page, key);
     assert.equal(now.kernel, kernel);
     assert.equal(await page.locator('#kernel').inputValue(), kernel);
@@ -60,7 +69,10 @@ test('settings, by mouse and by keys', async () => {
   await page.mouse.down();
   await page.mouse.move(700, 300, { steps: 5 });
   await page.mouse.up();
-  assert.equal(await page.locator('#divider').getAttribute('aria-valuenow'), String(Math.round((100 * 700) / 900)));
+  assert.equal(
+    await page.locator('#divider').getAttribute('aria-valuenow'),
+    String(Math.round((100 * 700) / 900)),
+  );
   await page.locator('#divider').press('ArrowLeft');
   await frame(page);
   for (const size of ['512', '2048', '1024']) {
@@ -94,7 +106,8 @@ test('settings, by mouse and by keys', async () => {
 test('walking, looking, moving what is chosen, and everything as it was', async () => {
   const { page, context, complaints } = await open(on.browser, on.server.address);
   const begun = await frame(page);
-  const seen = () => page.evaluate(() => [100, 300, 500].map((y) => window.walkthrough.under(700, y)).join());
+  const seen = () =>
+    page.evaluate(() => [100, 300, 500].map((y) => window.walkthrough.under(700, y)).join());
   const first = await findOnScreen(page, 'desk.7');
   await page.locator('#view').focus();
   await page.keyboard.down('w');
@@ -124,7 +137,14 @@ test('walking, looking, moving what is chosen, and everything as it was', async 
   await page.selectOption('#chosen', 'desk.7');
   await page.locator('#view').focus();
   let last = begun.lit;
-  for (const key of ['Shift+ArrowLeft', 'Shift+ArrowUp', 'Shift+ArrowRight', 'Shift+PageUp', 'Shift+PageDown', 'Shift+ArrowDown']) {
+  for (const key of [
+    'Shift+ArrowLeft',
+    'Shift+ArrowUp',
+    'Shift+ArrowRight',
+    'Shift+PageUp',
+    'Shift+PageDown',
+    'Shift+ArrowDown',
+  ]) {
     const { lit } = await press(page, key);
     assert.notEqual(lit, last, key);
     last = lit;
@@ -141,10 +161,17 @@ test('walking, looking, moving what is chosen, and everything as it was', async 
 
 test('windows of other sizes', async () => {
   const { page, context, complaints } = await open(on.browser, on.server.address);
-  for (const [width, height] of [[320, 480], [1400, 300], [640, 900], [900, 560]]) {
+  for (const [width, height] of [
+    [320, 480],
+    [1400, 300],
+    [640, 900],
+    [900, 560],
+  ]) {
     await page.setViewportSize({ width, height });
     await frame(page);
-    const canvas = await page.locator('#view').evaluate((view) => [view.clientWidth, view.clientHeight, view.width, view.height]);
+    const canvas = await page
+      .locator('#view')
+      .evaluate((view) => [view.clientWidth, view.clientHeight, view.width, view.height]);
     assert.deepEqual(canvas, [width, height, width, height]);
     assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width);
   }
@@ -154,9 +181,18 @@ test('windows of other sizes', async () => {
 });
 
 test('fingers', async () => {
-  const { page, context, complaints } = await open(on.browser, on.server.address, { viewport: { width: 390, height: 760 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true });
+  const { page, context, complaints } = await open(on.browser, on.server.address, {
+    viewport: { width: 390, height: 760 },
+    deviceScaleFactor: 2,
+    hasTouch: true,
+    isMobile: true,
+  });
   const touches = await context.newCDPSession(page);
-  const touch = (type, ...points) => touches.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  const touch = (type, ...points) =>
+    touches.send('Input.dispatchTouchEvent', {
+      type,
+      touchPoints: points.map(([x, y], id) => ({ x, y, id })),
+    });
   assert.equal(await page.locator('#view').evaluate((view) => view.width), 780);
   const begun = await frame(page);
   const desk = await findOnScreen(page, 'desk.7');
@@ -213,9 +249,10 @@ async function drop(page, name, bytes) {
   await page.dispatchEvent('#view', 'dragover', { dataTransfer: transfer });
   await page.dispatchEvent('#view', 'drop', { dataTransfer: transfer });
 }
-const settled = (page) => page.waitForFunction(() => !/…$/.test(document.querySelector('#message span').textContent));
+const settled = (page) =>
+  page.waitForFunction(() => !/…$/.test(document.querySelector('#message span').textContent));
 
-test('a GLB of one\'s own, dropped: it stands in the room, casts, receives, and can be moved', async () => {
+test("a GLB of one's own, dropped: it stands in the room, casts, receives, and can be moved", async () => {
   const { page, context, complaints } = await open(on.browser, on.server.address);
   const begun = await frame(page);
   await drop(page, 'pyramid.glb', meshGlb(pyramid()));
@@ -241,10 +278,16 @@ test('a GLB of one\'s own, dropped: it stands in the room, casts, receives, and 
   await context.close();
 });
 
-test('a GLB of one\'s own, chosen: it takes the room\'s place, with its lights or with a lamp', async () => {
+test("a GLB of one's own, chosen: it takes the room's place, with its lights or with a lamp", async () => {
   const { page, context, complaints } = await open(on.browser, on.server.address);
   await page.selectOption('#where', 'alone');
-  await page.locator('#file').setInputFiles({ name: 'carpet.glb', mimeType: 'model/gltf-binary', buffer: meshGlb(carpet(30)) });
+  await page
+    .locator('#file')
+    .setInputFiles({
+      name: 'carpet.glb',
+      mimeType: 'model/gltf-binary',
+      buffer: meshGlb(carpet(30)),
+    });
   await settled(page);
   assert.equal(await words(page), '');
   const lamp = await frame(page);
@@ -253,10 +296,25 @@ test('a GLB of one\'s own, chosen: it takes the room\'s place, with its lights o
   await isUsable(page);
 
   const { document, bin } = meshDocument(pyramid());
-  Object.assign(document, { extensionsUsed: ['KHR_lights_punctual'], extensions: { KHR_lights_punctual: { lights: [{ type: 'point', intensity: 30 }, { type: 'directional', intensity: 2 }] } } });
-  document.nodes.push({ translation: [1, 2, 0.5], extensions: { KHR_lights_punctual: { light: 0 } } }, { rotation: [-0.6, 0, 0, 0.8], extensions: { KHR_lights_punctual: { light: 1 } } });
+  Object.assign(document, {
+    extensionsUsed: ['KHR_lights_punctual'],
+    extensions: {
+      KHR_lights_punctual: {
+        lights: [
+          { type: 'point', intensity: 30 },
+          { type: 'directional', intensity: 2 },
+        ],
+      },
+    },
+  });
+  document.nodes.push(
+    { translation: [1, 2, 0.5], extensions: { KHR_lights_punctual: { light: 0 } } },
+    { rotation: [-0.6, 0, 0, 0.8], extensions: { KHR_lights_punctual: { light: 1 } } },
+  );
   document.scenes[0].nodes.push(1, 2);
-  await page.locator('#file').setInputFiles({ name: 'lit.glb', mimeType: 'model/gltf-binary', buffer: glb(document, bin) });
+  await page
+    .locator('#file')
+    .setInputFiles({ name: 'lit.glb', mimeType: 'model/gltf-binary', buffer: glb(document, bin) });
   await settled(page);
   assert.equal((await frame(page)).lights, 2);
   await page.locator('#view').focus();
@@ -307,8 +365,18 @@ test('more than the memory holds: words, and the room is there again', async () 
   const { lit } = await frame(page);
   for (const where of ['room', 'alone']) {
     await page.selectOption('#where', where);
-    await page.locator('#file').setInputFiles({ name: 'large.glb', mimeType: 'model/gltf-binary', buffer: meshGlb(carpet(200)) });
-    await page.waitForFunction(() => /large\.glb: its shadows need more memory/.test(document.querySelector('#message').textContent));
+    await page
+      .locator('#file')
+      .setInputFiles({
+        name: 'large.glb',
+        mimeType: 'model/gltf-binary',
+        buffer: meshGlb(carpet(200)),
+      });
+    await page.waitForFunction(() =>
+      /large\.glb: its shadows need more memory/.test(
+        document.querySelector('#message').textContent,
+      ),
+    );
     assert.ok(near((await frame(page)).lit, lit));
     await isUsable(page);
     await page.locator('#message button').click();
@@ -325,7 +393,11 @@ test('VR: a button where a headset is, words where it is not', async () => {
   ]) {
     const context = await on.browser.newContext();
     await context.addInitScript((xr) => {
-      const fake = xr && { isSessionSupported: async () => xr.supported, requestSession: () => Promise.reject(new Error('the headset is busy')), addEventListener() {} };
+      const fake = xr && {
+        isSessionSupported: async () => xr.supported,
+        requestSession: () => Promise.reject(new Error('the headset is busy')),
+        addEventListener() {},
+      };
       Object.defineProperty(navigator, 'xr', { value: fake });
     }, xr);
     const page = await context.newPage();
@@ -334,9 +406,15 @@ test('VR: a button where a headset is, words where it is not', async () => {
     assert.match(await page.locator('#vr-why').textContent(), says);
     assert.equal(await page.locator('#vr').isEnabled(), enabled);
     if (enabled) {
-      await page.waitForFunction(() => performance.getEntriesByName('the shadows are drawn').length > 0);
+      await page.waitForFunction(
+        () => performance.getEntriesByName('the shadows are drawn').length > 0,
+      );
       await page.locator('#vr').click();
-      await page.waitForFunction(() => /VR did not begin: the headset is busy/.test(document.querySelector('#message').textContent));
+      await page.waitForFunction(() =>
+        /VR did not begin: the headset is busy/.test(
+          document.querySelector('#message').textContent,
+        ),
+      );
     }
     await context.close();
   }

@@ -1,52 +1,73 @@
-// How long it takes until a move is on its way to the graphics processor: a desk of the room, a thousand moves along a closed path. Reports; a time
-// decides nothing. Twice: a move a frame, as a person sees it, where the processor has slept since the last frame, or drawn a picture by software, which
-// is waited for; and one move after the other without a picture. Where other programs run too, the path is gone along several times
-// (SHADOWCUT_RUNS): each move's shortest time is what it takes.
+// How long it takes until a move is on its way to the graphics processor: a desk of the room, a
+// thousand moves along a closed path. Reports; a time decides nothing. Twice: a move a frame, as a
+// person sees it, where the processor has slept since the last frame, or drawn a picture by
+// software, which is waited for; and one move after the other without a picture. Where other
+// programs run too, the path is gone along several times (SHADOWCUT_RUNS): each move's shortest
+// time is what it takes.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { percentile } from '../src/meter.js';
 import { launch, open, serve } from './page.mjs';
 
-const moves = Number(process.env.SHADOWCUT_MOVES ?? 1000), runs = Number(process.env.SHADOWCUT_RUNS ?? 1);
-const say = (numbers) => `median ${percentile(numbers, 0.5).toFixed(3)} ms, 99 % under ${percentile(numbers, 0.99).toFixed(3)} ms, most ${percentile(numbers, 1).toFixed(3)} ms`;
+const moves = Number(process.env.SHADOWCUT_MOVES ?? 1000),
+  runs = Number(process.env.SHADOWCUT_RUNS ?? 1);
+const say = (numbers) =>
+  `median ${percentile(numbers, 0.5).toFixed(3)} ms, 99 % under ${percentile(numbers, 0.99).toFixed(3)} ms, most ${percentile(numbers, 1).toFixed(3)} ms`;
 
 // Along the path once; what each update did.
 const along = (page, moves, drawn) =>
-  page.evaluate(async ([moves, drawn]) => {
-    const gl = document.querySelector('#view').getContext('webgl2'), pixel = new Uint8Array(4);
-    const [x, y, z] = (window.begun ??= [3, 7, 11].map((k) => window.walkthrough.poses().poses['desk.4'][k]));
-    const updates = [];
-    for (let k = 1; k <= moves; ++k) {
-      const turn = (2 * Math.PI * k) / moves;
-      const to = [x + 0.5 * Math.sin(16 * turn), y, z + 0.4 * Math.sin(21 * turn)];
-      if (drawn) window.walkthrough.place('desk.4', to);
-      const { update } = await (drawn ? window.walkthrough.frame() : window.walkthrough.undrawn('desk.4', to));
-      updates.push(update);
-      if (drawn) gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
-    }
-    return updates;
-  }, [moves, drawn]);
+  page.evaluate(
+    async ([moves, drawn]) => {
+      const gl = document.querySelector('#view').getContext('webgl2'),
+        pixel = new Uint8Array(4);
+      const [x, y, z] = (window.begun ??= [3, 7, 11].map(
+        (k) => window.walkthrough.poses().poses['desk.4'][k],
+      ));
+      const updates = [];
+      for (let k = 1; k <= moves; ++k) {
+        const turn = (2 * Math.PI * k) / moves;
+        const to = [x + 0.5 * Math.sin(16 * turn), y, z + 0.4 * Math.sin(21 * turn)];
+        if (drawn) window.walkthrough.place('desk.4', to);
+        const { update } = await (drawn
+          ? window.walkthrough.frame()
+          : window.walkthrough.undrawn('desk.4', to));
+        updates.push(update);
+        if (drawn) gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+      }
+      return updates;
+    },
+    [moves, drawn],
+  );
 
 test(`${moves} moves of a desk`, async (t) => {
-  const server = await serve(), browser = await launch();
-  const { page, complaints } = await open(browser, server.address, { viewport: { width: 240, height: 160 } });
+  const server = await serve(),
+    browser = await launch();
+  const { page, complaints } = await open(browser, server.address, {
+    viewport: { width: 240, height: 160 },
+  });
   t.diagnostic(`the clock is fine: ${await page.evaluate(() => crossOriginIsolated)}`);
   for (const drawn of [true, false]) {
     await along(page, Math.ceil(moves / 10), drawn); // the code is compiled
     const all = [];
     for (let run = 0; run < runs; ++run) all.push(await along(page, moves, drawn));
-    for (const updates of all) assert.equal(updates.filter(({ applied }) => applied === 1).length, moves);
+    for (const updates of all)
+      assert.equal(updates.filter(({ applied }) => applied === 1).length, moves);
 
     t.diagnostic(drawn ? 'a move a frame' : 'one after the other');
     const report = (what, time) => {
-      if (runs > 1) t.diagnostic(`  ${what}, the best of ${runs} runs: ${say(all[0].map((_, k) => Math.min(...all.map((updates) => time(updates[k])))))}`);
+      if (runs > 1)
+        t.diagnostic(
+          `  ${what}, the best of ${runs} runs: ${say(all[0].map((_, k) => Math.min(...all.map((updates) => time(updates[k])))))}`,
+        );
       else t.diagnostic(`  ${what}: ${say(all[0].map(time))}`);
     };
     report('update and upload', ({ ms, uploadMs }) => ms + uploadMs);
     report('engine', ({ engineMs }) => engineMs);
     report('buffers', ({ ms, engineMs }) => ms - engineMs);
     report('upload', ({ uploadMs }) => uploadMs);
-    t.diagnostic(`  ${(all[0].reduce((sum, u) => sum + u.uploadedBytes, 0) / moves / 1024).toFixed(1)} kB a move`);
+    t.diagnostic(
+      `  ${(all[0].reduce((sum, u) => sum + u.uploadedBytes, 0) / moves / 1024).toFixed(1)} kB a move`,
+    );
   }
   assert.deepEqual(complaints, []);
   await browser.close();
