@@ -308,7 +308,7 @@ SHADOWCUT_API int32_t shadowcut_refuses(int32_t reason);
 
 /* ---- Options ----------------------------------------------------------------------------------------------------------------------- */
 
-enum { SHADOWCUT_KERNEL_FAST = 0, SHADOWCUT_KERNEL_EXACT = 1, SHADOWCUT_KERNEL_SINGLE = 2 };
+enum { SHADOWCUT_KERNEL_FAST = 0, SHADOWCUT_KERNEL_EXACT = 1 };
 enum { SHADOWCUT_FORM_PIECES = 0, SHADOWCUT_FORM_MERGED = 1, SHADOWCUT_FORM_CONFORMING = 2 };
 enum { SHADOWCUT_ORDER_SOLID_ANGLE = 0, SHADOWCUT_ORDER_AS_GIVEN = 1, SHADOWCUT_ORDER_RANDOM = 2 };
 

@@ -30,10 +30,6 @@ enum class Kernel : std::uint8_t {
   // every sign that the tree asks for is that of the real number which the input's doubles define;
   // see Construction
   exact,
-  // As fast, with floats behind the light space: less memory, and about half the digits. Corners
-  // are good to some 1e-6 of their distance from the light; Engine::undecided says what may be
-  // wrong.
-  single,
 };
 
 enum class Form : std::uint8_t {
@@ -42,7 +38,7 @@ enum class Form : std::uint8_t {
   // faces of one object
   merged,
   // merged, and every corner of a fragment that lies on an edge of another fragment of its face is
-  // a corner there too. (Kernel::single: but for corners that its rounding leaves apart)
+  // a corner there too.
   conforming,
 };
 

@@ -28,7 +28,7 @@ Options options_of(const shadowcut_options* options) {
   Options out;
   if (!options) return out;
   require_size(options);
-  out.kernel = enum_of(options->kernel, Kernel::single);
+  out.kernel = enum_of(options->kernel, Kernel::exact);
   out.form = enum_of(options->form, Form::conforming);
   out.order = enum_of(options->order, Order::random);
   out.seed = options->seed;

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 
-#include "light_space.hpp"
-#include "reach.hpp"
+#include "light_space/light_space.hpp"
+#include "facets/light_position.hpp"
+#include "light_space/light_range.hpp"
 
 namespace shadowcut::compare {
 
@@ -31,7 +32,7 @@ Lighting::Lighting(const Scene& scene, const Light& light)
   for (std::uint32_t f = 0; f < scene.faces().size(); ++f) {
     const Face& face = scene.faces()[f];
     if (face.facet_count == 0) continue;
-    const bool reached = within_reach(scene, face, light);
+    const bool reached = within_range(scene, face, light);
     const bool looks = scene.objects()[face.object].receives;
     facing_[f] = !looks ? Facing::ignored : reached ? Facing::away : Facing::out_of_reach;
     if (!reached) continue;
@@ -46,9 +47,9 @@ Lighting::Role Lighting::role_of(std::uint32_t i, bool light_inside,
                                  const LightSpace& space) const {
   const Facet& facet = scene_.facets()[i];
   const Object& object = scene_.objects()[scene_.faces()[facet.face].object];
-  const Turned turned = space.turned(scene_.planes()[facet.plane]);
-  if (turned == Turned::edge_on) return {};
-  const bool lightless = turned == Turned::away && object.sides == Sides::closed;
+  const Orientation turned = space.orientation(scene_.planes()[facet.plane]);
+  if (turned == Orientation::edge_on) return {};
+  const bool lightless = turned == Orientation::away && object.sides == Sides::closed;
   return {object.receives && !lightless, object.casts && (!lightless || light_inside)};
 }
 

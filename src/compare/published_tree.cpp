@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "polygon.hpp"
-#include "reach.hpp"
+#include "facets/light_position.hpp"
+#include "light_space/light_range.hpp"
 #include "svbsp.hpp"
 
 namespace shadowcut::compare {
@@ -38,16 +39,16 @@ void PublishedTree::Impl::enter(std::uint32_t id, bool light_inside) {
   const Face& face = scene.faces()[facet.face];
   const Object& object = scene.objects()[face.object];
   const Plane& plane = scene.planes()[facet.plane];
-  const Turned turned = space.turned(plane);
-  if (!within_reach(scene, face, light) || turned == Turned::edge_on) return;
+  const Orientation turned = space.orientation(plane);
+  if (!within_range(scene, face, light) || turned == Orientation::edge_on) return;
   if (!space.far() && !meets_all_corners(scene, facet, light.at)) return;
-  const bool is_far_side = turned == Turned::away && object.sides == Sides::closed;
+  const bool is_far_side = turned == Orientation::away && object.sides == Sides::closed;
   if (is_far_side && !light_inside) return;
 
   if (tree.surfaces.size() <= id) tree.surfaces.resize(scene.facets().size());
   Surface& s = tree.surfaces[id];
   s.rays.clear(), s.lines.clear();
-  const double inside = (turned == Turned::toward ? 1 : -1) * space.handedness();
+  const double inside = (turned == Orientation::toward ? 1 : -1) * space.handedness();
   const auto corners = scene.corners_of(facet);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec3 &a = scene.vertices()[corners[i].vertex],

@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "light_space.hpp"
+#include "light_space/light_space.hpp"
 #include "published_tree.hpp"
 
 namespace shadowcut::compare {

@@ -1,0 +1,179 @@
+// Building the state of one light.
+
+#include "engine/light_state.hpp"
+
+#include "fragments/error_bound.hpp"
+#include "support/clock.hpp"
+
+namespace shadowcut {
+namespace {
+
+Eigen::AlignedBox3d box_of(const Scene& scene) {  // of what the light has to do with
+  Eigen::AlignedBox3d box;
+  for (const Facet& facet : scene.facets()) {
+    if (facet.corner_count == 0) continue;
+    const Object& object = scene.objects()[scene.faces()[facet.face].object];
+    if (!object.casts && !object.receives) continue;
+    for (const Corner& c : scene.corners_of(facet)) box.extend(scene.vertices()[c.vertex]);
+  }
+  return box;
+}
+
+bool wants_constructions(const Options& options) {
+  return options.kernel == Kernel::exact && options.constructions &&
+         options.form != Form::conforming;
+}
+
+}  // namespace
+
+LightState::LightState(const Scene& scene, const Light& light, const Options& options)
+    : scene_(scene),
+      options_(options),
+      light_(light),
+      space_(light, {}),
+      visibility_(scene_, space_, tables_, workspaces_),
+      order_(scene_, tables_, visibility_, options.order, options.seed),
+      grid_(scene_, tables_, visibility_, {options.edits, options.join_threshold}, workspaces_),
+      fragments_(grid_,
+                 {scene_, space_, tables_, visibility_, light_, options.form,
+                  wants_constructions(options), options.min_feature},
+                 options.edits && options.form != Form::conforming, shadows_.blocks, workspaces_),
+      areas_(fragments_.context(), shadows_.areas, shadows_.stats),
+      statistics_(grid_, fragments_, policy_, shadows_.stats) {
+  begin_update();
+  rebuild(light);
+}
+
+void LightState::begin_update() {
+  ++update_;
+  rebuilt_ = edited_ = false;
+  touched_.clear();
+  batch_.clear();
+  fragments_.begin_update();
+  areas_.begin_update();
+}
+
+// Before a rebuild.
+void LightState::note_all_gone() {
+  areas_.note_all();
+  if (!shadows_.blocks.empty()) fragments_.note_all_gone(update_, edited_, rebuilt_);
+  rebuilt_ = true;
+  batch_.clear();
+}
+
+void LightState::rebuild(const Light& light) {
+  note_all_gone();
+  light_ = light;
+  space_ = LightSpace(light, box_of(scene_));
+  build();
+}
+
+void LightState::build() {
+  const auto start = Clock::now();
+  shadows_.stats = {};
+  tables_.refer_to(scene_);
+  if (is_exact()) {
+    tables_.exact = std::make_unique<ExactPredicates>(light_, space_);
+    for (const Object& object : scene_.objects()) tables_.exact->note_object(scene_, object);
+  }
+  visibility_.decide_all(light_);
+  fill_tables();
+  if (is_exact()) visibility_.check_loops();
+  const std::vector<FacetId> order = order_.of_scene();
+  grid_.divide(options_.facets_per_cell ? order_.middle_rays(order) : std::vector<Vec3>(),
+               space_.far(), options_.facets_per_cell);
+  if (is_exact()) set_exact_kd_lines();
+  grid_.build(order, options_.progress);
+  shadows_.stats.build_ms = ms_since(start);
+
+  const auto built = Clock::now();
+  policy_.start(grid_.size());
+  fragments_.emit_all(update_, options_.progress);
+  sum_up();
+  if (options_.edits) start_edits();
+  shadows_.stats.emit_ms = ms_since(built);
+}
+
+void LightState::set_line(std::uint32_t object, std::uint32_t edge) {
+  const Edge& e = scene_.edges()[edge];
+  const LineId id = tables_.lines.of_edge(object, edge);
+  const Vec3 &a = scene_.vertices()[e.a], &b = scene_.vertices()[e.b];
+  Line line = space_.line(a, b);
+  line.a = e.a, line.b = e.b;
+  tables_.lines.set(id, line);
+  if (is_exact()) tables_.lines.set_ends(id, a, b);
+}
+
+// Rays, lines and planes of the facets that enter.
+void LightState::fill_tables() {
+  const auto facets = scene_.facets();
+  std::vector<std::uint8_t> vertex_used(scene_.vertices().size(), 0),
+      plane_used(scene_.planes().size(), 0);
+  std::vector<std::uint32_t> object_of_edge(scene_.edges().size(), none);  // of used edges
+  for (std::size_t i = 0; i < facets.size(); ++i) {
+    if (!visibility_.enters(FacetId(i))) continue;
+    plane_used[facets[i].plane] = 1;
+    for (const Corner& c : scene_.corners_of(facets[i])) {
+      vertex_used[c.vertex] = 1;
+      object_of_edge[c.edge >> 1] = tables_.object_of(FacetId(i));
+    }
+  }
+  tables_.rays.resize(vertex_used.size());
+  tables_.planes.resize(plane_used.size());
+  tables_.lines.reset(object_of_edge.size(), scene_.objects().size(), is_exact());
+  constexpr std::size_t grain = 4096;
+  parallel_for(vertex_used.size(), grain, [&](std::size_t i) {
+    if (vertex_used[i]) tables_.rays[i] = space_.ray(scene_.vertices()[i]);
+  });
+  parallel_for(object_of_edge.size(), grain, [&](std::size_t i) {
+    if (object_of_edge[i] != none) set_line(object_of_edge[i], static_cast<std::uint32_t>(i));
+  });
+  parallel_for(plane_used.size(), grain, [&](std::size_t i) {
+    if (plane_used[i]) tables_.planes[i] = space_.plane(scene_.planes()[i]);
+  });
+}
+
+// The k-d tree's planes are doubles in light space; exactly, they go through two points.
+void LightState::set_exact_kd_lines() {
+  LineTable& lines = tables_.lines;
+  for (std::uint32_t i = lines.first_kd_line(); i < lines.size(); ++i) {
+    const LineId id(i);
+    const auto [a, b] = space_.span({lines[id].n[0], lines[id].n[1], lines[id].n[2]});
+    lines.set_ends(id, a, b);
+    lines.set(id, space_.line(a, b));
+    tables_.exact->note_position(a);
+    tables_.exact->note_position(b);
+  }
+}
+
+// Areas and statistics, after all fragments have been emitted.
+void LightState::sum_up() {
+  Stats& s = shadows_.stats;
+  if (fragments_.is_incremental()) {
+    areas_.start();
+    const auto absorb = [this](const FragmentStore::AreaChange& c) { areas_.absorb(c); };
+    for (std::size_t c = 0; c < grid_.size(); ++c)
+      fragments_.take_area_changes(CellId(c), absorb);
+    for (const Fragment& f : shadows_.blocks.back().fragments)
+      absorb({f.face, f.lit, true, f.area});
+    areas_.total_up(rebuilt_);
+  } else {
+    areas_.start(fragments_.emitted_areas(), shadows_.blocks);
+  }
+  for (const Face& face : scene_.faces()) s.faces += face.object != none;
+  s.facets = visibility_.entered();
+  s.cells = grid_.size();
+  s.nodes = s.sp_nodes = grid_.kd_tree().node_count();
+  statistics_.start();
+  for (std::size_t c = 0; c < grid_.size(); ++c)
+    s.depth = std::max(s.depth, grid_.kd_tree().depth_of(CellId(c)) + grid_[CellId(c)].depth());
+  s.bytes += tables_.lines.size() * sizeof(Line) + tables_.rays.size() * sizeof(VertexRay) +
+             tables_.planes.size() * sizeof(PlaneRay);
+}
+
+std::vector<double> LightState::error_bound() const {
+  if (is_exact()) return std::vector<double>(scene_.faces().size(), 0.0);
+  return shadowcut::error_bound(view());
+}
+
+}  // namespace shadowcut

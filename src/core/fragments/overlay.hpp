@@ -1,0 +1,22 @@
+// The overlay of several lights: one partition for all of them.
+#pragma once
+
+#include <vector>
+
+#include "fragments/polygon.hpp"
+#include "svbsp/cell_grid.hpp"
+
+namespace shadowcut {
+
+// What can be read of a light that is up to date.
+struct LightView {
+  const CellGrid& grid;
+  const EmissionContext& context;
+  const Shadows& shadows;
+};
+
+// Cuts the first light's fragments by the second light's trees, and so on (CS95, section 4). A null
+// stands for a light that has been removed. `faces`, where it is given, chooses whose fragments.
+LightSets overlay(const std::vector<const LightView*>& lights, const std::vector<bool>* faces);
+
+}  // namespace shadowcut

@@ -1,0 +1,14 @@
+// The clock behind every time that the engine reports.
+#pragma once
+
+#include <chrono>
+
+namespace shadowcut {
+
+using Clock = std::chrono::steady_clock;
+
+inline double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace shadowcut
