@@ -529,7 +529,7 @@ static void test_same_as_cpp(void) {
     context = names[k];
     OK(shadowcut_scene_create(&scene));
     support_scene(names[k], 1, scene, ids);
-    for (kernel = SHADOWCUT_KERNEL_FAST; kernel <= SHADOWCUT_KERNEL_SINGLE; ++kernel) {
+    for (kernel = SHADOWCUT_KERNEL_FAST; kernel <= SHADOWCUT_KERNEL_EXACT; ++kernel) {
       uint32_t l;
       for (l = 0; l < 2; ++l) {
         shadowcut_light_id id;

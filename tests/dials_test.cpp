@@ -1,5 +1,4 @@
-// The dials that trade exactness for time: the smallest feature kept (Options::min_feature) and the
-// kernel in floats (Kernel::single).
+// The smallest feature kept (Options::min_feature).
 //
 // What dropping the smallest features may do, and what is asserted here against the full result of
 // the same scene:
@@ -40,11 +39,11 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(),
                  kInfinity = std::numeric_limits<double>::infinity();
-constexpr Kernel kKernels[] = {Kernel::fast, Kernel::exact, Kernel::single};
+constexpr Kernel kKernels[] = {Kernel::fast, Kernel::exact};
 constexpr Form kForms[] = {Form::pieces, Form::merged, Form::conforming};
 
 const char* name_of(Kernel kernel) {
-  constexpr std::array names{"fast", "exact", "single"};
+  constexpr std::array names{"fast", "exact"};
   return names[static_cast<std::size_t>(kernel)];
 }
 
@@ -126,22 +125,10 @@ SeenSizes seen_sizes(const Scene& scene, const Light& light, const Shadows& shad
   return out;
 }
 
-// How far a face's areas may be off for rounding: a share, and of floats what their distance from
-// the light makes of all corners.
-std::vector<double> rounding_of(const Scene& scene, const Light& light, Kernel kernel) {
+// How far a face's areas may be off for rounding.
+std::vector<double> rounding_of(const Scene& scene) {
   std::vector<double> out;
-  for (const Face& face : scene.faces()) {
-    Eigen::AlignedBox3d box;
-    for (const Facet& facet : scene.facets().subspan(face.first_facet, face.facet_count)) {
-      for (const Corner& c : scene.corners_of(facet)) box.extend(scene.vertices()[c.vertex]);
-    }
-    out.push_back(kAreaTolerance * face.area);
-    if (kernel != Kernel::single || box.isEmpty()) continue;
-    Eigen::AlignedBox3d all = box;
-    if (light.kind == Light::Kind::point) all.extend(light.at);
-    for (const Vec3& v : scene.vertices()) all.extend(v);
-    out.back() += 64 * 0x1p-24 * all.diagonal().norm() * box.diagonal().norm();
-  }
+  for (const Face& face : scene.faces()) out.push_back(kAreaTolerance * face.area);
   return out;
 }
 
@@ -248,7 +235,7 @@ TEST(MinFeature, AreasAddUp) {
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
     for (const Kernel kernel : kKernels) {
-      const std::vector<double> rounding = rounding_of(c.scene, c.light, kernel);
+      const std::vector<double> rounding = rounding_of(c.scene);
       Options options;
       options.kernel = kernel, options.threads = 1, options.form = Form::pieces;
       Undecided undecided;
@@ -265,9 +252,8 @@ TEST(MinFeature, AreasAddUp) {
             SCOPED_TRACE(describe_all(options));
             const Shadows shadows = by_engine(c.scene, options);
             ASSERT_EQ(check_dropped(c.scene, shadows, rounding), "");
-            ASSERT_EQ(check_against_full(c.scene, c.light, full, shadows, rounding, undecided,
-                                         kernel == Kernel::single ? 1e-4 : 1e-7),
-                      "");
+            ASSERT_EQ(
+                check_against_full(c.scene, c.light, full, shadows, rounding, undecided, 1e-7), "");
             if (form == Form::pieces && !edits) {
               ASSERT_EQ(check_room(c.scene, c.light, shadows, least), "");
             }
@@ -391,8 +377,7 @@ TEST(MinFeature, ALightThatBecomesASunIsAnErrorOnce) {
     ASSERT_EQ(mirror.apply(engine.update(), engine), "");
     EXPECT_EQ(engine.validate(), "");
     Options once = options;
-    EXPECT_EQ(check_dropped(scene, engine.shadows(0), rounding_of(scene, point, options.kernel)),
-              "");
+    EXPECT_EQ(check_dropped(scene, engine.shadows(0), rounding_of(scene)), "");
     Engine anew(scene, once);
     anew.update();
     EXPECT_EQ(check_same_areas(scene, anew.shadows(0), engine.shadows(0)), "");
@@ -405,7 +390,7 @@ Options some_options(std::uint64_t seed) {
   scenes::Random random(11 * seed + 5);
   constexpr std::array<std::uint32_t, 3> cells{0, 4, 128};
   Options o;
-  o.kernel = std::array{Kernel::fast, Kernel::fast, Kernel::single, Kernel::exact}[random.below(4)];
+  o.kernel = std::array{Kernel::fast, Kernel::fast, Kernel::exact}[random.below(3)];
   o.form = static_cast<Form>(random.below(3));
   o.order = static_cast<Order>(random.below(3));
   o.facets_per_cell = cells[random.below(3)];
@@ -469,9 +454,8 @@ TEST_P(DialsOf, MinFeatureInRandomHistories) {
   run_histories(GetParam(), 40000, set,
                 [](const Scene& scene, const Light& light, const Shadows& full,
                    const Shadows& shadows, const Undecided& undecided, const Options& options) {
-                  return check_against_full(scene, light, full, shadows,
-                                            rounding_of(scene, light, options.kernel), undecided,
-                                            kInfinity);
+                  return check_against_full(scene, light, full, shadows, rounding_of(scene),
+                                            undecided, kInfinity);
                 });
 }
 
@@ -497,52 +481,6 @@ TEST(MinFeature, ComingAndGoingDoesNotWearFacesAway) {
     }
     EXPECT_EQ(engine.validate(), "") << name;
   }
-}
-
-// Floats: areas by what they leave undecided, facing as the fast kernel's, everything else as of
-// any kernel.
-TEST(Single, ItsResultIsTheFastOneButForWhatIsUndecided) {
-  for (const Case& c : cases()) {
-    Options options;
-    options.threads = 1;
-    Undecided open;
-    const Shadows fast = by_engine(c.scene, options, &open);
-    const std::vector<double> rounding = rounding_of(c.scene, c.light, Kernel::single);
-    for (const Form form : kForms) {
-      for (const bool edits : {false, true}) {
-        options.kernel = Kernel::single, options.form = form, options.edits = edits,
-        options.facets_per_cell = edits ? 128 : 8;
-        SCOPED_TRACE(c.name + ", " + describe_all(options));
-        Undecided undecided;
-        options.threads = 1;
-        const Shadows one = by_engine(c.scene, options, &undecided);
-        ASSERT_EQ(check_dropped(c.scene, one, rounding), "");
-        for (std::uint32_t f = 0; f < undecided.size(); ++f) {
-          undecided[f] += open[f];
-          EXPECT_EQ(one.areas[f].dropped, 0);
-          EXPECT_NEAR(one.areas[f].area, fast.areas[f].area, 1e-12 * fast.areas[f].area);
-        }
-        EXPECT_EQ(check_same_areas(c.scene, fast, one, 1e-9, &undecided), "");
-        EXPECT_NEAR(one.stats.lit_area, fast.stats.lit_area, 1e-4 * fast.stats.facing_area);
-        options.threads = 2;
-        EXPECT_EQ(check_identical(one, by_engine(c.scene, options)), "");
-        if (!edits) {
-          EXPECT_EQ(check_identical(one, cast_shadows(c.scene, c.light, options)), "");
-        }
-      }
-    }
-  }
-}
-
-TEST_P(DialsOf, SingleInRandomHistories) {
-  const auto set = [](Options& options, std::uint64_t, const Scene&) {
-    options.kernel = Kernel::single;
-  };
-  run_histories(GetParam(), 60000, set,
-                [](const Scene& scene, const Light&, const Shadows& full, const Shadows& shadows,
-                   const Undecided& undecided, const Options&) {
-                  return check_same_areas(scene, full, shadows, 1e-9, &undecided);
-                });
 }
 
 }  // namespace

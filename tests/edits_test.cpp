@@ -819,7 +819,7 @@ void in_every_form(const Play& play) {
 // Edits large enough to be spread over threads: two buildings of five of a city at once. (Of more,
 // all would be built anew.)
 TEST(Moves, ManyAtOnceSameBitsOnAnyNumberOfThreads) {
-  for (const Kernel kernel : {Kernel::fast, Kernel::exact, Kernel::single}) {
+  for (const Kernel kernel : {Kernel::fast, Kernel::exact}) {
     const SceneData data = scenes::city(12);
     Scene scene = scenes::build(data);
     std::vector<std::unique_ptr<Engine>> engines;
@@ -849,7 +849,6 @@ TEST(Moves, ManyAtOnceSameBitsOnAnyNumberOfThreads) {
         ASSERT_EQ(check_identical(engines[0]->shadows(0), engines[other]->shadows(0)), "");
       }
       ASSERT_EQ(engines[1]->validate(), "");
-      if (kernel == Kernel::single) continue;  // floats have errors of their own
       ASSERT_EQ(check_lights(*engines[1], 1, true), "");
     }
   }

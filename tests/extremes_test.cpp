@@ -102,8 +102,6 @@ void check_bound(const char* kind, std::uint64_t seed, const ExactScene& made, c
     seen.wrong_faces += (want == 0 && got.shadowed == 0) || (got.lit == 0 && want >= got.area);
     if (error <= undecided[f]) continue;
     ++seen.beyond;
-    // The single kernel's errors are recorded; the fast kernel's bound is a promise.
-    if (kernel == Kernel::single) continue;
     ASSERT_LE(error, undecided[f]) << kind << ", seed " << seed << ", kernel " << name << ", "
                                    << describe(options) << ", face " << f << ": lit " << got.lit
                                    << ", should be " << want << " of " << got.area << "\n"
@@ -127,8 +125,6 @@ TEST_P(Extremes, ErrorsStayWithinWhatIsUndecided) {
     const ExactOracle oracle(scene, made.light);
     if (!oracle.defined()) continue;
     check_bound(name_of(GetParam()), seed, made, scene, oracle, Kernel::fast, "fast");
-    if (!HasFatalFailure())
-      check_bound(name_of(GetParam()), seed, made, scene, oracle, Kernel::single, "single");
   }
 }
 
@@ -207,9 +203,7 @@ void check_tiles(std::uint32_t columns, std::uint32_t rows, Kernel kernel, bool 
   const Shadows shadows = cast_shadows(scene, straight_down(), options);
   ASSERT_EQ(shadows.stats.cells, 1u);
   ASSERT_EQ(shadows.areas.size(), std::size_t{columns} * rows + 1);
-  const double tolerance = kernel == Kernel::single ? 64 * 0x1p-24 * (columns + rows)
-                           : kernel == Kernel::fast ? 1e-12 * columns
-                                                    : 0;
+  const double tolerance = kernel == Kernel::fast ? 1e-12 * columns : 0;
   for (std::uint32_t i = 0; i < columns * rows; ++i) {
     const double left = i % columns, lit = std::clamp(left + 1 - edge, 0.0, 1.0);
     ASSERT_NEAR(shadows.areas[i + 1].lit, lit,
@@ -222,7 +216,7 @@ void check_tiles(std::uint32_t columns, std::uint32_t rows, Kernel kernel, bool 
 
 TEST(ExtremeSizes, ManyFacesInOneCell) {
   const std::uint32_t rows = soaks() ? 1000 : 250, columns = soaks() ? 1000 : 400;
-  for (const Kernel kernel : {Kernel::fast, Kernel::exact, Kernel::single}) {
+  for (const Kernel kernel : {Kernel::fast, Kernel::exact}) {
     check_tiles(columns, rows, kernel, false);
     check_tiles(columns, rows, kernel, true);
   }
@@ -293,14 +287,14 @@ TEST(ExtremeSizes, AllFacesShareOneVertex) {
     }
     return part.size() < 3 ? 0.0 : polygon_area(part);
   };
-  for (const Kernel kernel : {Kernel::fast, Kernel::exact, Kernel::single}) {
+  for (const Kernel kernel : {Kernel::fast, Kernel::exact}) {
     for (const Order order : {Order::as_given, Order::random, Order::solid_angle}) {
       for (const std::uint32_t cell : {0u, 128u}) {
         Options options;
         options.kernel = kernel, options.order = order, options.facets_per_cell = cell;
         const Shadows shadows = cast_shadows(scene, straight_down(), options);
         for (std::uint32_t i = 0; i < count; ++i) {
-          ASSERT_NEAR(shadows.areas[i].lit, clipped(i), kernel == Kernel::single ? 1e-6 : 1e-13)
+          ASSERT_NEAR(shadows.areas[i].lit, clipped(i), 1e-13)
               << "triangle " << i << ", kernel " << static_cast<int>(kernel) << ", order "
               << static_cast<int>(order) << ", cell " << cell;
         }
@@ -325,17 +319,14 @@ TEST(ExtremeSizes, ANearlyStraightSideIsNoReasonToLoseAFace) {
   scene.add(mesh, open_sheet());
   const ExactOracle oracle(scene, light);
   ASSERT_TRUE(oracle.defined());
-  for (const Kernel kernel : {Kernel::fast, Kernel::exact, Kernel::single}) {
+  for (const Kernel kernel : {Kernel::fast, Kernel::exact}) {
     for (const Form form : {Form::pieces, Form::merged, Form::conforming}) {
       Options options;
       options.kernel = kernel, options.form = form;
       const Shadows shadows = cast_shadows(scene, light, options);
       EXPECT_EQ(shadows.areas[0].facing, Facing::toward);
-      EXPECT_NEAR(shadows.areas[0].lit, exact_lit_area(oracle, scene.faces()[0]),
-                  kernel == Kernel::single ? 1e-5 : 1e-12);
-      if (kernel != Kernel::single) {
-        EXPECT_EQ(check_fragments(scene, light, shadows, kAreaTolerance, form), "");
-      }
+      EXPECT_NEAR(shadows.areas[0].lit, exact_lit_area(oracle, scene.faces()[0]), 1e-12);
+      EXPECT_EQ(check_fragments(scene, light, shadows, kAreaTolerance, form), "");
     }
   }
 }
@@ -422,7 +413,7 @@ TEST(ExtremeNumbers, OddObjectsHarmNoOther) {
     odd.emplace_back("negative zeros", mesh);
   }
   for (const Light& light : {straight_down(), Light::point({1.5, 2, 8})}) {
-    for (const Kernel kernel : {Kernel::fast, Kernel::exact, Kernel::single}) {
+    for (const Kernel kernel : {Kernel::fast, Kernel::exact}) {
       for (const Form form : {Form::pieces, Form::merged, Form::conforming}) {
         for (const bool edits : {false, true}) {
           Options options;
@@ -467,9 +458,7 @@ TEST(ExtremeNumbers, OddObjectsHarmNoOther) {
                   << "face " << f;
               if (f >= count) continue;
               EXPECT_EQ(a.facing, want.areas[f].facing) << "face " << f;
-              EXPECT_NEAR(a.lit, want.areas[f].lit,
-                          undecided[f] + (kernel == Kernel::single ? 1e-4 : 1e-12))
-                  << "face " << f;
+              EXPECT_NEAR(a.lit, want.areas[f].lit, undecided[f] + 1e-12) << "face " << f;
             }
           }
         }

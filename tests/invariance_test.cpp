@@ -99,7 +99,7 @@ TEST(Invariance, SeveralCallersAtOnce) {
   for (SceneData data : {scenes::furnished_room(), scenes::city(6), scenes::triangles(60)}) {
     Scene scene = scenes::build(data);
     scene.add(data.light);
-    for (const Kernel kernel : {Kernel::fast, Kernel::exact, Kernel::single}) {
+    for (const Kernel kernel : {Kernel::fast, Kernel::exact}) {
       SCOPED_TRACE(data.name + ", kernel " + std::to_string(static_cast<int>(kernel)));
       Options options;
       options.kernel = kernel, options.threads = 2, options.facets_per_cell = 8;
@@ -123,7 +123,7 @@ TEST(Invariance, SeveralCallersAtOnce) {
 // So many that cells are edited on two threads.
 TEST(Invariance, ManyMovesOnTwoThreads) {
   const SceneData data = scenes::city(20);
-  for (const Kernel kernel : {Kernel::fast, Kernel::exact, Kernel::single}) {
+  for (const Kernel kernel : {Kernel::fast, Kernel::exact}) {
     Scene scene = scenes::build(data);
     scene.add(data.light);
     Options options;
@@ -338,7 +338,7 @@ TEST(Invariance, CombinedTakesMoreLightsThanAWordHasBits) {
 
 // On chosen faces, it is that part of the whole, to the bit.
 TEST(Invariance, CombinedOnChosenFaces) {
-  for (const Kernel kernel : {Kernel::fast, Kernel::single}) {
+  for (const Kernel kernel : {Kernel::fast, Kernel::exact}) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
       SCOPED_TRACE("seed " + std::to_string(seed));
       const SceneData data = random_scene(kAllKinds[seed % std::size(kAllKinds)], 300 + seed);

@@ -141,7 +141,7 @@ void edit(Scene& scene, std::vector<Item>& items, const Light& lamp, double size
 }
 
 void write_history(const scenes::SceneData& data, Kernel kernel) {
-  constexpr const char* kernels[] = {"fast", "exact", "single"};
+  constexpr const char* kernels[] = {"fast", "exact"};
   std::fprintf(out, R"({"name":"%s","kernel":"%s","objects":[)", data.name.c_str(),
                kernels[static_cast<int>(kernel)]);
   Scene scene;
@@ -186,7 +186,7 @@ int main(int argc, char** argv) {
       all.push_back(testing::random_scene(kind, 5));
     const char* separator = "[";
     for (const scenes::SceneData& data : all) {
-      for (const Kernel kernel : {Kernel::exact, Kernel::fast, Kernel::single}) {
+      for (const Kernel kernel : {Kernel::exact, Kernel::fast}) {
         std::fputs(separator, out), separator = ",\n";
         write_history(data, kernel);
       }
