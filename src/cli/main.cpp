@@ -95,9 +95,8 @@ void add_picture(CLI::App& command, Arguments& a, bool required) {
 template <typename Arguments>
 void add_casting(CLI::App& command, Arguments& a) {
   add_lit_scene(command, a);
-  add_choice<Kernel>(
-      command, "--kernel", a.options.kernel, kernels(),
-      "Arithmetic: fast (double, with error bounds), exact, or single (float) (fast)");
+  add_choice<Kernel>(command, "--kernel", a.options.kernel, kernels(),
+                     "Arithmetic: fast (double, with error bounds), or exact (fast)");
   command
       .add_option_function<std::string>(
           "--min-feature",
