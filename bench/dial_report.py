@@ -89,7 +89,7 @@ FIRST, FLOOR = 0, (
     -18,
 )  # powers of ten: where the upper part of the axis of errors begins, and the lower part
 BREAK = (0.72, 0.80)  # shares of a panel's height between which the axis is broken
-KERNELS = {"fast": "#1b6ca8", "exact": "#14724a", "single": "#7a4fa3"}
+KERNELS = {"fast": "#1b6ca8", "exact": "#14724a"}
 FORMS = {"pieces": "triangle", "merged": "diamond", "conforming": "square"}
 DIALS = {
     "min_area_share": ' stroke-opacity="0.55"',
@@ -193,7 +193,6 @@ def engine(rows, x, y):
             names.append((x(best["ms"]), y(error(best)), kernel, colour))
     for px, py, kernel, colour in names:
         shift_x, shift_y, anchor = {
-            "single": (-9, 4, "end"),
             "fast": (0, -11, "middle"),
             "exact": (0, 19, "middle"),
         }[kernel]
@@ -408,12 +407,12 @@ def share_of(row, key):
 
 
 def kernels(groups):
-    yield "| scene | fast: error | undecided | single: x fast's time | x memory | error | undecided | " + " | ".join(
+    yield "| scene | fast: error | undecided | " + " | ".join(
         f"smallest {s:g}: x time | x memory | dropped | missed" for s in SHARES
     ) + " |"
-    yield "|---|---|---|---|---|---|---|" + "---|---|---|---|" * len(SHARES)
+    yield "|---|---|---|" + "---|---|---|---|" * len(SHARES)
     for key, rows in groups.items():
-        fast, single = ours(rows, "fast"), ours(rows, "single")
+        fast = ours(rows, "fast")
 
         def against_fast(r):
             return [f"{r[k] / fast[k]:.2f}" for k in ("ms", "bytes")]
@@ -422,9 +421,6 @@ def kernels(groups):
             name(key),
             share_text(error(fast)),
             share_text(share_of(fast, "undecided_area")),
-            *against_fast(single),
-            share_text(error(single)),
-            share_text(share_of(single, "undecided_area")),
         ]
         for s in SHARES:
             r = turned(rows, "min_area_share", s)
@@ -435,15 +431,13 @@ def kernels(groups):
 def bounds(groups):
     """Whether what is said to be undecided holds the errors."""
     rows = [r for rows in groups.values() for r in of(rows, "shadowcut") if "undecided_area" in r]
-    for kernel in ("fast", "single"):
-        mine = [r for r in rows if r["parameters"]["kernel"] == kernel]
-        broken = [
-            f"{name((r['scene'], r['light']))}, {r['parameters']['form']} ({share_text(error(r))} against {share_text(share_of(r, 'undecided_area'))}, {r['beyond_undecided']} faces)"
-            for r in mine
-            if r["symmetric_difference"] > r["undecided_area"] or r["beyond_undecided"]
-        ]
-        held = "of the whole and of every face" if not broken else "but not in " + "; ".join(broken)
-        yield f"Kernel `{kernel}`: in {len(mine) - len(broken)} of {len(mine)} rows the error is within what `Engine::undecided` says, {held}."
+    broken = [
+        f"{name((r['scene'], r['light']))}, {r['parameters']['form']} ({share_text(error(r))} against {share_text(share_of(r, 'undecided_area'))}, {r['beyond_undecided']} faces)"
+        for r in rows
+        if r["symmetric_difference"] > r["undecided_area"] or r["beyond_undecided"]
+    ]
+    held = "of the whole and of every face" if not broken else "but not in " + "; ".join(broken)
+    yield f"Kernel `fast`: in {len(rows) - len(broken)} of {len(rows)} rows the error is within what `Engine::undecided` says, {held}."
     loose = [
         name((r["scene"], r["light"]))
         for r in rows
@@ -609,7 +603,6 @@ def advice(groups):
     few = [rays_by_area(rows, 4) for _, rows in scenes]
     exact = against_fast([ours(rows, "exact") for _, rows in scenes])
     welded = against_fast([ours(rows, "fast", "conforming") for _, rows in scenes])
-    single = [ours(rows, "single") for _, rows in scenes]
 
     def beside_fast(chosen, figure):
         return middle_span(
@@ -648,10 +641,6 @@ def advice(groups):
         f"But they miss the shadow or the light of {span([r['missed'] / r['facing_faces'] for r in few], share_text)} of the faces altogether, so go over to `fast` as soon as single faces count. |"
     )
     yield (
-        f"| memory is short | `single`: {beside_fast(single, 'bytes')} of `fast`'s memory, and that is all: it takes {beside_fast(single, 'ms')} of the time. The price is half the digits: errors of {span([error(r) for r in single], share_text)} of the area "
-        f"instead of {span([error(f) for f in fast.values()], share_text)}, and it cannot vouch for less than {span([share_of(r, 'undecided_area') for r in single], share_text)} of the area. Where memory is not short, take `fast`. Figures here: the median over the scenes (least to most). |"
-    )
-    yield (
         f"| slivers in the way | `min_feature`, for what comes after: fewer tiny fragments to draw, store or mesh. It is no way to save time: a ten-thousandth of the mean face drops {span([share_of(r, 'dropped_area') for r in small], share_text)} of the area "
         f"and takes {beside_fast(small, 'ms')} of `fast`'s time, with {beside_fast(small, 'fragments')} of the fragments, since what is cut off needs planes of its own. A tenth of it drops {span([share_of(r, 'dropped_area') for r in large], share_text)}, "
         f"takes {beside_fast(large, 'ms')} of the time and {beside_fast(large, 'bytes')} of the memory, "
@@ -676,10 +665,10 @@ def report(groups, figure):
     yield ""
     yield from wrong_faces(groups)
     yield ""
-    yield "## Fewer digits, fewer fragments"
+    yield "## Fewer fragments"
     yield ""
     yield (
-        "The kernel `single`, and the smallest feature (`Options::min_feature`) by area, as a share of the mean face turned to the light. Undecided: what the kernel itself says of its error, at most (`Engine::undecided`). "
+        "The smallest feature (`Options::min_feature`) by area, as a share of the mean face turned to the light. Undecided: what the kernel itself says of its error, at most (`Engine::undecided`). "
         "Dropped: neither lit nor shadowed (`FaceArea::dropped`). Missed as above. By solid angle: in the figure, and in the rows at the end."
     )
     yield ""

@@ -35,12 +35,12 @@ def of_area(share):
 
 def report(rows):
     found = {(r["kind"], r["kernel"]): r for r in rows}
-    yield "| kind | what it is | scenes, faces | exact | fast: error | bound | wrong faces | single: error | wrong faces |"
-    yield "|---|---|---|---|---|---|---|---|---|"
+    yield "| kind | what it is | scenes, faces | exact | fast: error | bound | wrong faces |"
+    yield "|---|---|---|---|---|---|---|"
     for kind, words in sentences().items():
         if (kind, "fast") not in found:
             continue
-        fast, single = found[kind, "fast"], found[kind, "single"]
+        fast = found[kind, "fast"]
         cells = [
             kind.replace("_", " "),
             words,
@@ -49,21 +49,18 @@ def report(rows):
             of_area(fast["error"]),
             of_area(fast["bound"]),
             fast["wrong_faces"],
-            of_area(single["error"]),
-            single["wrong_faces"],
         ]
         yield "| " + " | ".join(str(c) for c in cells) + " |"
-    for kernel in ("fast", "single"):
-        mine = [r for r in rows if r["kernel"] == kernel]
-        faces = sum(r["faces"] for r in mine)
-        outside = ", ".join(
-            f"{r['kind'].replace('_', ' ')} ({r['beyond']})" for r in mine if r["beyond"]
-        )
-        yield ""
-        yield (
-            f"Kernel `{kernel}`: of {faces} faces {sum(r['wrong_faces'] for r in mine)} are wrong, and {sum(r['beyond'] for r in mine)} off by more than the kernel's own bound"
-            + (f": {outside}." if outside else ".")
-        )
+    fast = [r for r in rows if r["kernel"] == "fast"]
+    faces = sum(r["faces"] for r in fast)
+    outside = ", ".join(
+        f"{r['kind'].replace('_', ' ')} ({r['beyond']})" for r in fast if r["beyond"]
+    )
+    yield ""
+    yield (
+        f"Kernel `fast`: of {faces} faces {sum(r['wrong_faces'] for r in fast)} are wrong, and {sum(r['beyond'] for r in fast)} off by more than the kernel's own bound"
+        + (f": {outside}." if outside else ".")
+    )
 
 
 def main():
