@@ -101,8 +101,7 @@ void add_casting(CLI::App& command, Arguments& a) {
       .add_option_function<std::string>(
           "--min-feature",
           [&a](const std::string& text) { a.options.min_feature = parse_min_feature(text); },
-          "Smallest part of a face that a cut leaves: an area, or a solid angle such as 1e-6sr; 0: "
-          "all are kept (0)")
+          "Fragments below this are left out: an area, or a solid angle such as 1e-6sr (0)")
       ->type_name("SIZE");
   command.add_option("--threads", a.options.threads, "0: one for each processor")
       ->check(CLI::Range(0, 4096));
