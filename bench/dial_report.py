@@ -211,7 +211,7 @@ def panel(key, rows, x, y, left, top, width, is_first):
     yield from engine(rows, x, y)
 
 
-def legend(kernels):
+def legend(kernels, dials_shown):
     at, y = LEFT, 62
     for method, words in (
         ("rays", "Embree rays, 1 to 4096 a face"),
@@ -244,6 +244,8 @@ def legend(kernels):
         ("min_area_share", "fast, smallest feature by area"),
         ("min_solid_angle", "by solid angle"),
     ):
+        if dial not in dials_shown:
+            continue
         yield line(at + 14, y - 4, at + 40, y - 4, colour, 2, DIALS[dial]) + mark(
             "diamond", at + 27, y - 4, colour, 2.6
         )
@@ -260,6 +262,7 @@ def draw(groups):
         for _, rows in shown
         for r in rows
         if "ms" in r and r["method"] != "edits"
+        if "coplanarity_tolerance" not in r["parameters"]
         for e in [error(r)]
         if e > 10.0 ** FLOOR[0]
     )
@@ -276,7 +279,8 @@ def draw(groups):
             r["parameters"].get("kernel") == k for _, rows in shown for r in of(rows, "shadowcut")
         )
     ]
-    yield from legend(kernels)
+    turned_dials = {d for _, rows in shown for r in of(rows, "shadowcut") for d in dials(r)}
+    yield from legend(kernels, turned_dials)
     for i, (key, rows) in enumerate(shown):
         left, top = LEFT + i % COLUMNS * (width + GAP_X), TOP + i // COLUMNS * (PLOT_HEIGHT + GAP_Y)
         yield from panel(
@@ -399,32 +403,33 @@ def wrong_faces(groups):
         ) + " |"
 
 
-SHARES = (1e-4, 1e-2, 1e-1)  # of the mean face: smallest features shown beside the kernels
+SHARES = (1e-4, 1e-2, 1e-1)  # of the mean face: smallest features shown, where they were measured
 
 
 def share_of(row, key):
     return row[key] / row["facing_area"]
 
 
-def kernels(groups):
-    yield "| scene | fast: error | undecided | " + " | ".join(
-        f"smallest {s:g}: x time | x memory | dropped | missed" for s in SHARES
-    ) + " |"
-    yield "|---|---|---|" + "---|---|---|---|" * len(SHARES)
+def has_smallest(groups):
+    return all(turned(rows, "min_area_share", s) for rows in groups.values() for s in SHARES)
+
+
+def fewer(groups):
+    shares = SHARES if has_smallest(groups) else ()
+    heads = [f"smallest {s:g}: x time | x fragments | dropped | missed" for s in shares]
+    yield "| " + " | ".join(["scene", "fast: error", "undecided", *heads]) + " |"
+    yield "|" + "---|" * (3 + 4 * len(shares))
     for key, rows in groups.items():
         fast = ours(rows, "fast")
-
-        def against_fast(r):
-            return [f"{r[k] / fast[k]:.2f}" for k in ("ms", "bytes")]
-
         cells = [
             name(key),
             share_text(error(fast)),
             share_text(share_of(fast, "undecided_area")),
         ]
-        for s in SHARES:
+        for s in shares:
             r = turned(rows, "min_area_share", s)
-            cells += [*against_fast(r), share_text(share_of(r, "dropped_area")), r["missed"]]
+            cells += [f"{r[k] / fast[k]:.2f}" for k in ("ms", "fragments")]
+            cells += [share_text(share_of(r, "dropped_area")), r["missed"]]
         yield "| " + " | ".join(str(c) for c in cells) + " |"
 
 
@@ -640,12 +645,27 @@ def advice(groups):
         f"| previews | Sample: four rays a face, spread by area, are within {span([error(r) for r in few], share_text)} in {span(against_fast(few), '{:.2f}'.format)} of `fast`'s time, and need not be asked of faces that nobody looks at. "
         f"But they miss the shadow or the light of {span([r['missed'] / r['facing_faces'] for r in few], share_text)} of the faces altogether, so go over to `fast` as soon as single faces count. |"
     )
-    yield (
-        f"| slivers in the way | `min_feature`, for what comes after: fewer tiny fragments to draw, store or mesh. It is no way to save time: a ten-thousandth of the mean face drops {span([share_of(r, 'dropped_area') for r in small], share_text)} of the area "
-        f"and takes {beside_fast(small, 'ms')} of `fast`'s time, with {beside_fast(small, 'fragments')} of the fragments, since what is cut off needs planes of its own. A tenth of it drops {span([share_of(r, 'dropped_area') for r in large], share_text)}, "
-        f"takes {beside_fast(large, 'ms')} of the time and {beside_fast(large, 'bytes')} of the memory, "
-        f"and loses the light or the shadow of {span([r['missed'] / r['facing_faces'] for r in large], share_text)} of the faces: at that price sampling is the better choice. |"
+    slivers = (
+        "| slivers in the way | `min_feature`: fragments below a size are not handed out, so there "
+        "are fewer to draw, store or mesh. The tree and all other fragments are the same. "
     )
+    if has_smallest(groups):
+        small, large = (
+            [turned(rows, "min_area_share", s) for _, rows in scenes]
+            for s in (SHARES[0], SHARES[-1])
+        )
+        dropped = [
+            span([share_of(r, "dropped_area") for r in chosen], share_text)
+            for chosen in (small, large)
+        ]
+        lost = span([r["missed"] / r["facing_faces"] for r in large], share_text)
+        slivers += (
+            f"A ten-thousandth of the mean face leaves {beside_fast(small, 'fragments')} of the "
+            f"fragments and drops {dropped[0]} of the area. A tenth of it leaves "
+            f"{beside_fast(large, 'fragments')}, drops {dropped[1]}, and loses the light or the "
+            f"shadow of {lost} of the faces: at that price sampling is the better choice. "
+        )
+    yield slivers.rstrip() + " |"
 
 
 def report(groups, figure):
@@ -665,14 +685,18 @@ def report(groups, figure):
     yield ""
     yield from wrong_faces(groups)
     yield ""
-    yield "## Fewer fragments"
+    yield "## What is undecided"
     yield ""
-    yield (
-        "The smallest feature (`Options::min_feature`) by area, as a share of the mean face turned to the light. Undecided: what the kernel itself says of its error, at most (`Engine::undecided`). "
-        "Dropped: neither lit nor shadowed (`FaceArea::dropped`). Missed as above. By solid angle: in the figure, and in the rows at the end."
-    )
+    words = "Undecided: what the kernel itself says of its error, at most (`Engine::undecided`)."
+    if has_smallest(groups):
+        words += (
+            " Then the smallest feature (`Options::min_feature`) by area, as a share of the mean "
+            "face turned to the light. Dropped: neither lit nor shadowed (`FaceArea::dropped`). "
+            "Missed as above. By solid angle: in the figure, and in the rows at the end."
+        )
+    yield words
     yield ""
-    yield from kernels(groups)
+    yield from fewer(groups)
     yield ""
     yield " ".join(bounds(groups))
     yield ""
