@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Writes docs/accuracy.md's part of the extremes, from what tests/extremes_test.cpp records:
+"""Writes docs/accuracy.md's part of the extremes, from what tests/system/extremes_test.cpp records:
 
     SHADOWCUT_RECORD=extremes.json extremes_test
     bench/extremes_report.py extremes.json docs/accuracy.md
 
 Of accuracy.md only what stands between the two lines BEGIN and END is replaced. What the kinds of scenes are is read from
-tests/exact_scenes.hpp.
+tests/support/exact_scenes.hpp.
 """
 import json
 import pathlib
@@ -15,7 +15,7 @@ import sys
 from dial_report import share_text
 
 BEGIN, END = "<!-- extremes -->", "<!-- /extremes -->"
-KINDS = pathlib.Path(__file__).parent.parent / "tests" / "exact_scenes.hpp"
+KINDS = pathlib.Path(__file__).parent.parent / "tests" / "support" / "exact_scenes.hpp"
 
 
 def sentences():

@@ -288,7 +288,7 @@ def batagelo(rows):
     yield from batagelo_gains(runs, small, [Comparison(rows, s, LARGE, "object") for s in scenes])
     yield (
         "- Wrong by design: standard begins to count at the near plane and takes the eye to be in the light. Where the eye is in shadow, or a volume is cut by "
-        "the near plane, the picture comes out wrong: Render.StandardIsWrongWhereTheCameraIsInShadow in tests/render_test.cpp. The hybrid's caps mend it, and it "
+        "the near plane, the picture comes out wrong: Render.StandardIsWrongWhereTheCameraIsInShadow in tests/system/render_test.cpp. The hybrid's caps mend it, and it "
         "draws what rays see in the same places (Render.EveryTechniqueDrawsWhatRaysSee)."
     )
 
@@ -399,7 +399,7 @@ def kolic(rows):
     yield (
         "- Wrong by design: seven triangles a triangle leave the volume open at its far end. A ray of the eye that ends in the volume's depth then fails the depth test "
         "once and not twice, and the next volume before it makes a shadow of that; ours draws an eighth (src/render/stencil_kolic.cpp). And the paper says nothing of a "
-        "camera within a volume, of which only one side is seen: Render.KolicIsWrongWhereTheCameraIsInAVolume in tests/render_test.cpp. On edges of volumes a pixel may be "
+        "camera within a volume, of which only one side is seen: Render.KolicIsWrongWhereTheCameraIsInAVolume in tests/system/render_test.cpp. On edges of volumes a pixel may be "
         "left half done even so; Render.EveryTechniqueDrawsWhatRaysSee allows it two pixels a picture."
     )
 
@@ -475,7 +475,7 @@ def oh_growth(rows):
         "It is an order of magnitude faster.",
         last >= 10,
         f"With {points['quadratic'][-1][0]} spheres textures are made {ratio(last)} times as fast here.",
-        "For the same reason; and both make the same textures, to the bit (ShadowTexture.IsTheQuadraticMethodsToTheBit in tests/sz_buffer_test.cpp), which costs "
+        "For the same reason; and both make the same textures, to the bit (ShadowTexture.IsTheQuadraticMethodsToTheBit in tests/unit/sz_buffer_test.cpp), which costs "
         "both the drawing of every receiver, of its triangles' rims too, and a copy.",
     )
 
@@ -541,7 +541,7 @@ def oh(growth, coherence):
     yield from oh_coherence(coherence)
     yield (
         "- Wrong by design: a texture has pixels. Away from the edges of faces and shadows, by more than one of its pixels, the picture is as rays have it; within that it is not, "
-        "and the engine's fragments are (ShadowTexture.DrawsRandomThingsAsShadowVolumesDo in tests/sz_buffer_test.cpp counts both). One texture an object cannot say that an "
+        "and the engine's fragments are (ShadowTexture.DrawsRandomThingsAsShadowVolumesDo in tests/unit/sz_buffer_test.cpp counts both). One texture an object cannot say that an "
         "object shadows itself: ours divides objects into receivers that cannot (src/render/receivers.hpp). The plain shadow map, beside them for comparison, has both limits and a "
         "bias besides."
     )
@@ -646,7 +646,7 @@ def page(document):
         "and a Pentium 4 2.66 GHz with a Radeon 9800 XT; all figures of ours are from one run, and only ratios compare. "
         f"{CLOCKS[document['clock']]} Of each "
         "frame the smaller of several rounds is taken, and techniques take turns, because the machine had other work meanwhile: ratios within a row are surer than between rows. Every technique's pictures are held against rays "
-        "(tests/render_test.cpp, tests/sz_buffer_test.cpp), and how each departs from its paper stands at the top of its file in src/render. Beside each stands what the engine's "
+        "(tests/system/render_test.cpp, tests/unit/sz_buffer_test.cpp), and how each departs from its paper stands at the top of its file in src/render. Beside each stands what the engine's "
         "fragments cost in the same frames. Figures 9 to 11, 7 and 8 are curves without numbers: of those only the conclusions compare."
     )
     yield from batagelo(document["batagelo1999"])

@@ -508,7 +508,7 @@ def page(report, edits, joins, image_space):
         "Written by bench/papers_report.py from bench/baseline/papers.json (`shadowcut_bench_papers`) and bench/baseline/edits.json "
         "(`shadowcut_bench_edits`) and bench/baseline/joining.json (`shadowcut_bench_joining`). Their machines were a SPARCstation 1+ and 2, so times compare only as ratios between algorithms; "
         "polygon counts compare as counts. The rooms are ours, with the papers' numbers of polygons and kinds of furniture; the tetrahedron "
-        "is a public definition. All algorithms find the same lit area of every face: tests/rivals_test.cpp holds each against the exact "
+        "is a public definition. All algorithms find the same lit area of every face: tests/system/published_algorithms_test.cpp holds each against the exact "
         "oracle. How each departs from its paper stands at the top of its file in src/compare.\n"
     )
     yield "## Slater 1992: basic, tiling, SVBSP\n"

@@ -4,7 +4,7 @@
 // parts, which they must accept, and against the same with one thing wrong, which they must not.
 //
 // SHADOWCUT_SOAK=n decides points in about n random scenes instead of a thousand.
-#include "exact_oracle.hpp"
+#include "gmp_oracle.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,9 +14,9 @@
 #include <limits>
 #include <map>
 
+#include "cgal_oracle.hpp"
 #include "exact_checks.hpp"
 #include "exact_scenes.hpp"
-#include "oracle.hpp"
 #include "random_scenes.hpp"
 
 namespace shadowcut::testing {
@@ -24,8 +24,8 @@ namespace {
 
 using scenes::Random;
 using scenes::rectangle;
-using Role = ExactOracle::Role;
-using State = ExactOracle::State;
+using Role = GmpOracle::Role;
+using State = GmpOracle::State;
 
 std::uint32_t add(Scene& scene, const Mesh& mesh, Sides sides = Sides::open) {
   ObjectSettings settings;
@@ -34,28 +34,28 @@ std::uint32_t add(Scene& scene, const Mesh& mesh, Sides sides = Sides::open) {
   return scene.objects()[object].first_facet;
 }
 
-Rational lit_area(const ExactOracle& oracle, std::uint32_t facet) {
+Rational lit_area(const GmpOracle& oracle, std::uint32_t facet) {
   return oracle.area(facet, oracle.lit(facet));
 }
-Rational whole_area(const ExactOracle& oracle, std::uint32_t facet) {
+Rational whole_area(const GmpOracle& oracle, std::uint32_t facet) {
   return oracle.area(facet, oracle.whole(facet));
 }
 
-TEST(ExactOracle, SquareHalfwayUpShadowsFourTimesItsArea) {
+TEST(GmpOracle, SquareHalfwayUpShadowsFourTimesItsArea) {
   Scene scene;
   const auto ground = add(scene, rectangle({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}));
   const auto square = add(scene, rectangle({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}));
-  const ExactOracle oracle(scene, Light::point({0, 0, 2}));
+  const GmpOracle oracle(scene, Light::point({0, 0, 2}));
   EXPECT_EQ(whole_area(oracle, ground), 64);
   EXPECT_EQ(lit_area(oracle, ground), 64 - 16);
   EXPECT_EQ(lit_area(oracle, square), 4);
 }
 
-TEST(ExactOracle, SunCastsABoxesOwnShape) {
+TEST(GmpOracle, SunCastsABoxesOwnShape) {
   Scene scene;
   const auto ground = add(scene, rectangle({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}));
   const auto box = add(scene, scenes::box({-0.5, -0.5, 0}, {0.5, 0.5, 1}), Sides::closed);
-  const ExactOracle oracle(scene, Light::directional({1, 0, -1}));
+  const GmpOracle oracle(scene, Light::directional({1, 0, -1}));
   // the roof's shadow and, under the box, the sunny wall's: the bottom does not cast
   EXPECT_EQ(lit_area(oracle, ground), 64 - 2);
   EXPECT_EQ(oracle.role(box), Role::away);  // the bottom
@@ -64,25 +64,25 @@ TEST(ExactOracle, SunCastsABoxesOwnShape) {
   EXPECT_EQ(oracle.role(box + 2), Role::edge_on);
 }
 
-TEST(ExactOracle, CrossingSheetsShadowEachOtherInPart) {
+TEST(GmpOracle, CrossingSheetsShadowEachOtherInPart) {
   Scene scene;
   const auto flat = add(scene, rectangle({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}));
   const auto steep = add(scene, rectangle({-1, -0.5, -1}, {0, 1, 0}, {2, 0, 2}));
   for (const double down : {-1.0, 1.0}) {
-    const ExactOracle oracle(scene, Light::directional({0, 0, down}));
+    const GmpOracle oracle(scene, Light::directional({0, 0, down}));
     EXPECT_EQ(lit_area(oracle, flat), 3);
     EXPECT_EQ(2 * lit_area(oracle, steep), whole_area(oracle, steep));
     EXPECT_EQ(oracle.front(flat), down < 0);
   }
 }
 
-TEST(ExactOracle, ContactIsNotOcclusion) {
+TEST(GmpOracle, ContactIsNotOcclusion) {
   Scene scene;
   const auto wall = add(scene, rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
   const auto poster = add(scene, rectangle({1, 1, 0}, {1, 0, 0}, {0, 1, 0}));
   const auto raised = add(
       scene, rectangle({2, 1, std::numeric_limits<double>::denorm_min()}, {1, 0, 0}, {0, 1, 0}));
-  const ExactOracle oracle(scene, Light::directional({0, 0, -1}));
+  const GmpOracle oracle(scene, Light::directional({0, 0, -1}));
   EXPECT_EQ(lit_area(oracle, wall), 15);  // one denormal number is no contact
   EXPECT_EQ(lit_area(oracle, poster), 1);
   EXPECT_EQ(lit_area(oracle, raised), 1);
@@ -90,13 +90,13 @@ TEST(ExactOracle, ContactIsNotOcclusion) {
 
 // Light arrives along the line on which a sheet stands, however it is shadowed on both sides of it;
 // so no place on the line tells of either.
-TEST(ExactOracle, WhereACasterMeetsTheReceiverIsABoundary) {
+TEST(GmpOracle, WhereACasterMeetsTheReceiverIsABoundary) {
   Scene scene;
   const auto wall = add(scene, rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
   add(scene, rectangle({1, 1, 0}, {2, 0, 2}, {0, 2, 0}));
   add(scene, rectangle({1, 1, 0}, {0, 2, 0}, {-1, 0, 1}));
   add(scene, rectangle({2, 0, 0}, {1, 0, 0}, {0, 1, 0}));  // in its plane
-  const ExactOracle oracle(scene, Light::directional({0, 0, -1}));
+  const GmpOracle oracle(scene, Light::directional({0, 0, -1}));
   const auto state_at = [&](double x, double y) {
     return oracle.state_at(wall, oracle.place(wall, oracle.ray({x, y, 0})));
   };
@@ -107,40 +107,40 @@ TEST(ExactOracle, WhereACasterMeetsTheReceiverIsABoundary) {
   EXPECT_EQ(state_at(2.5, 0.5), State::lit);
 }
 
-TEST(ExactOracle, LightInThePlaneSeesItEdgeOn) {
+TEST(GmpOracle, LightInThePlaneSeesItEdgeOn) {
   Scene scene;
   const auto square = add(scene, rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
-  EXPECT_EQ(ExactOracle(scene, Light::point({8, 1, 0})).role(square), Role::edge_on);
-  EXPECT_EQ(ExactOracle(scene, Light::point({8, 1, 1e-300})).role(square), Role::takes_part);
-  EXPECT_EQ(ExactOracle(scene, Light::directional({1, 1, 0})).role(square), Role::edge_on);
-  EXPECT_TRUE(ExactOracle(scene, Light::directional({1, 1, -1e-300})).front(square));
-  EXPECT_FALSE(ExactOracle(scene, Light::directional({1, 1, 1e-300})).front(square));
+  EXPECT_EQ(GmpOracle(scene, Light::point({8, 1, 0})).role(square), Role::edge_on);
+  EXPECT_EQ(GmpOracle(scene, Light::point({8, 1, 1e-300})).role(square), Role::takes_part);
+  EXPECT_EQ(GmpOracle(scene, Light::directional({1, 1, 0})).role(square), Role::edge_on);
+  EXPECT_TRUE(GmpOracle(scene, Light::directional({1, 1, -1e-300})).front(square));
+  EXPECT_FALSE(GmpOracle(scene, Light::directional({1, 1, 1e-300})).front(square));
 }
 
 // A quadrilateral that is flat within the scene's tolerance only. From nearly beside it, its lifted
 // corner is seen anywhere.
-TEST(ExactOracle, LoopsAreAsTheLightSeesThem) {
+TEST(GmpOracle, LoopsAreAsTheLightSeesThem) {
   constexpr double lift = 1e-7;
   Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, lift}, {0, 1, 0}};
   mesh.add_face({0, 1, 2, 3});
   Scene scene;
   const auto quad = add(scene, mesh);
-  const ExactOracle above(scene, Light::directional({0, 0, -1}));
+  const GmpOracle above(scene, Light::directional({0, 0, -1}));
   EXPECT_EQ(above.parts(quad).size(), 1u);
   EXPECT_EQ(whole_area(above, quad), 1);
   // the corner is seen at (0.2, 0.2)
-  const ExactOracle reflex(scene, Light::directional({1, 1, lift / 0.8}));
+  const GmpOracle reflex(scene, Light::directional({1, 1, lift / 0.8}));
   ASSERT_TRUE(reflex.defined());
   EXPECT_EQ(reflex.parts(quad).size(), 2u);
   EXPECT_NEAR(whole_area(reflex, quad).get_d(), 1, 1e-6);
   // at (-0.5, 1): two edges cross
-  EXPECT_FALSE(ExactOracle(scene, Light::directional({1, 0, lift / 1.5})).defined());
+  EXPECT_FALSE(GmpOracle(scene, Light::directional({1, 0, lift / 1.5})).defined());
 }
 
 // The two know nothing of each other; where planes do not nearly touch, which in these kinds they
 // do not, they agree.
-TEST(ExactOracle, AgreesWithTheOlderOracle) {
+TEST(GmpOracle, AgreesWithTheOlderOracle) {
   int compared = 0;
   for (const Kind kind :
        {Kind::soup, Kind::grid_soup, Kind::solids, Kind::grid_boxes, Kind::outlines}) {
@@ -148,12 +148,12 @@ TEST(ExactOracle, AgreesWithTheOlderOracle) {
       const scenes::SceneData data = random_scene(kind, seed);
       SCOPED_TRACE(data.name);
       const Scene scene = scenes::build(data);
-      const ExactOracle exact(scene, data.light);
+      const GmpOracle exact(scene, data.light);
       if (!exact.defined()) continue;
-      const Oracle older(scene, data.light, true);
+      const CgalOracle older(scene, data.light, true);
       for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
         const Face& face = scene.faces()[i];
-        const Oracle::Area area = older.area(i);
+        const CgalOracle::Area area = older.area(i);
         if (area.facing != Facing::toward || area.unsure) continue;
         double lit = 0, all = 0;
         for (std::uint32_t f = face.first_facet; f < face.first_facet + face.facet_count; ++f) {
@@ -188,7 +188,7 @@ TEST_P(OfExactKind, RandomPointsAgreeWithRegions) {
   for (std::uint64_t seed = 0; seed < scene_count; ++seed) {
     const ExactScene made = exact_scene(GetParam(), seed);
     const Scene scene = build(made);
-    const ExactOracle oracle(scene, made.light);
+    const GmpOracle oracle(scene, made.light);
     if (!oracle.defined()) continue;
     ++defined;
     Random random(seed);
@@ -219,8 +219,7 @@ TEST_P(OfExactKind, RandomPointsAgreeWithRegions) {
 }
 
 // By fans of triangles, a fraction each.
-Rational plain_area(const ExactOracle& oracle, std::uint32_t facet,
-                    const std::vector<Part>& parts) {
+Rational plain_area(const GmpOracle& oracle, std::uint32_t facet, const std::vector<Part>& parts) {
   const int axis = oracle.stretch(facet).first;
   const auto i = static_cast<std::size_t>((axis + 1) % 3),
              j = static_cast<std::size_t>((axis + 2) % 3);
@@ -245,7 +244,7 @@ TEST_P(OfExactKind, AreaFromTheBoundaryIsTheSumOfParts) {
   for (std::uint64_t seed = 100; seed < 110; ++seed) {
     const ExactScene made = exact_scene(GetParam(), seed);
     const Scene scene = build(made);
-    const ExactOracle oracle(scene, made.light);
+    const GmpOracle oracle(scene, made.light);
     if (!oracle.defined()) continue;
     for (std::uint32_t f = 0; f < scene.facets().size(); ++f) {
       if (oracle.role(f) != Role::takes_part) continue;
@@ -262,7 +261,7 @@ TEST_P(OfExactKind, AreaFromTheBoundaryIsTheSumOfParts) {
 // Shadows put together from the oracle's parts, with constructions.
 class Partition {
  public:
-  explicit Partition(const ExactOracle& oracle) : oracle_(oracle), scene_(oracle.scene()) {
+  explicit Partition(const GmpOracle& oracle) : oracle_(oracle), scene_(oracle.scene()) {
     name_lines();
     out_.blocks.resize(1);
     for (std::uint32_t f = 0; f < scene_.facets().size(); ++f) {
@@ -355,7 +354,7 @@ class Partition {
         {lines_.at(as_line(part.lines[before])), lines_.at(as_line(part.lines[i])), none});
   }
 
-  const ExactOracle& oracle_;
+  const GmpOracle& oracle_;
   const Scene& scene_;
   std::map<Triple, LightLine> lines_;
   Shadows out_;
@@ -365,7 +364,7 @@ TEST_P(OfExactKind, ChecksAcceptTheOraclesOwnPartition) {
   for (std::uint64_t seed = 200; seed < 230; ++seed) {
     const ExactScene made = exact_scene(GetParam(), seed);
     const Scene scene = build(made);
-    const ExactOracle oracle(scene, made.light);
+    const GmpOracle oracle(scene, made.light);
     if (!oracle.defined()) continue;
     ASSERT_EQ(check_exact(oracle, Partition(oracle).take(), Form::merged), "")
         << "seed " << seed << '\n'
@@ -376,7 +375,7 @@ TEST_P(OfExactKind, ChecksAcceptTheOraclesOwnPartition) {
 // One wrong thing at a time.
 struct Mistake {
   const char* name;
-  bool (*make)(Shadows&, Random&, const ExactOracle&);  // false: cannot be made here
+  bool (*make)(Shadows&, Random&, const GmpOracle&);  // false: cannot be made here
 };
 
 Fragment& some_fragment(Block& block, Random& random) {
@@ -394,25 +393,25 @@ std::optional<std::size_t> some_cut_corner(const Block& block, Random& random) {
 
 const Mistake mistakes[] = {
     {"state",
-     [](Shadows& s, Random& random, const ExactOracle&) {
+     [](Shadows& s, Random& random, const GmpOracle&) {
        Fragment& f = some_fragment(s.blocks[0], random);
        f.lit = !f.lit;
        return true;
      }},
     {"missing",
-     [](Shadows& s, Random& random, const ExactOracle&) {
+     [](Shadows& s, Random& random, const GmpOracle&) {
        s.blocks[0].fragments.erase(
            s.blocks[0].fragments.begin() +
            static_cast<std::ptrdiff_t>(random.below(s.blocks[0].fragments.size())));
        return true;
      }},
     {"twice",
-     [](Shadows& s, Random& random, const ExactOracle&) {
+     [](Shadows& s, Random& random, const GmpOracle&) {
        s.blocks[0].fragments.push_back(some_fragment(s.blocks[0], random));
        return true;
      }},
     {"clockwise",
-     [](Shadows& s, Random& random, const ExactOracle&) {
+     [](Shadows& s, Random& random, const GmpOracle&) {
        Block& b = s.blocks[0];
        const Fragment& f = some_fragment(b, random);
        std::reverse(b.corners.begin() + f.first_corner,
@@ -422,7 +421,7 @@ const Mistake mistakes[] = {
        return true;
      }},
     {"three ulps",
-     [](Shadows& s, Random& random, const ExactOracle&) {
+     [](Shadows& s, Random& random, const GmpOracle&) {
        const auto i = some_cut_corner(s.blocks[0], random);
        if (!i) return false;
        double& x = s.blocks[0].corners[*i][static_cast<Eigen::Index>(random.below(3))];
@@ -430,7 +429,7 @@ const Mistake mistakes[] = {
        return true;
      }},
     {"one ulp off a vertex",
-     [](Shadows& s, Random& random, const ExactOracle&) {
+     [](Shadows& s, Random& random, const GmpOracle&) {
        Block& b = s.blocks[0];
        const Fragment& f = some_fragment(b, random);
        for (std::uint32_t k = f.first_corner; k < f.first_corner + f.corner_count; ++k) {
@@ -443,7 +442,7 @@ const Mistake mistakes[] = {
        return false;
      }},
     {"another line",
-     [](Shadows& s, Random& random, const ExactOracle& oracle) {
+     [](Shadows& s, Random& random, const GmpOracle& oracle) {
        Block& b = s.blocks[0];
        const Fragment& f = some_fragment(b, random);
        Construction& c = b.constructions[f.first_corner + random.below(f.corner_count)];
@@ -454,7 +453,7 @@ const Mistake mistakes[] = {
        return ray_of(oracle, f.facet, c) != before;
      }},
     {"facing",
-     [](Shadows& s, Random& random, const ExactOracle&) {
+     [](Shadows& s, Random& random, const GmpOracle&) {
        FaceArea& a = s.areas[random.below(s.areas.size())];
        a.facing = a.facing == Facing::toward ? Facing::away : Facing::toward;
        return true;
@@ -467,7 +466,7 @@ TEST(ExactChecks, SeeEveryMistake) {
     for (std::uint64_t seed = 300; seed < 400; ++seed) {
       const ExactScene made = exact_scene(seed % 2 ? ExactKind::grid : ExactKind::soup, seed);
       const Scene scene = build(made);
-      const ExactOracle oracle(scene, made.light);
+      const GmpOracle oracle(scene, made.light);
       if (!oracle.defined()) continue;
       Shadows shadows = Partition(oracle).take();
       Random random(seed);
@@ -485,7 +484,7 @@ TEST(ExactChecks, OneUlpIsOneUlp) {
   Scene scene;
   const auto ground = add(scene, rectangle({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}));
   add(scene, rectangle({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}));
-  const ExactOracle oracle(scene, Light::point({0, 0, 3}));
+  const GmpOracle oracle(scene, Light::point({0, 0, 3}));
   Place third{{Int(1), Int(0), Int(-1)}, 3};
   const double up = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(within_one_ulp(oracle, third, 0, 1.0 / 3));

@@ -41,7 +41,7 @@ TEST_P(ShippedScene, MatchesItsReferenceAreas) {
 
 TEST_P(ShippedScene, MatchesThousandsOfRays) {
   Scene scene = io::read_scene(GetParam().path);
-  const Oracle oracle(scene, GetParam().light);
+  const CgalOracle oracle(scene, GetParam().light);
   EXPECT_EQ(check_points(scene, cast_shadows(scene, GetParam().light), oracle, 2024, 3000), "");
 }
 

@@ -43,12 +43,12 @@ TEST_P(RealModel, MatchesTheOracle) {
   const Light light = lamp_over(scene);
   const Shadows shadows = cast_shadows(scene, light);
   EXPECT_EQ(check_fragments(scene, light, shadows, kModelTolerance), "");
-  const Oracle oracle(scene, light);
+  const CgalOracle oracle(scene, light);
   EXPECT_EQ(check_points(scene, shadows, oracle, 5, 150), "");
   scenes::Random random(11);
   for (int k = 0; k < 60; ++k) {
     const auto face = static_cast<std::uint32_t>(random.below(scene.faces().size()));
-    const Oracle::Area want = oracle.area(face);
+    const CgalOracle::Area want = oracle.area(face);
     const FaceArea& got = shadows.areas[face];
     if (want.unsure) continue;
     EXPECT_EQ(got.facing, want.facing) << "face " << face;

@@ -28,15 +28,15 @@
 
 namespace shadowcut::testing {
 
-class Oracle {
+class CgalOracle {
  public:
   static constexpr double contact_tolerance = 1e-12;
 
   // The scene must outlive the oracle. With `only_facing`, sides of closed solids turned away do
   // not cast: needed for lights with a range or a cone only, where a solid's front may be out of
   // reach while its back is not.
-  Oracle(const Scene& scene, const Light& light, bool only_facing = false);
-  ~Oracle();
+  CgalOracle(const Scene& scene, const Light& light, bool only_facing = false);
+  ~CgalOracle();
 
   struct Area {
     Facing facing = Facing::refused;

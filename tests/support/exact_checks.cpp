@@ -10,8 +10,8 @@
 namespace shadowcut::testing {
 namespace {
 
-using Role = ExactOracle::Role;
-using State = ExactOracle::State;
+using Role = GmpOracle::Role;
+using State = GmpOracle::State;
 
 bool same_bits(const Vec3& a, const Vec3& b) {
   return std::memcmp(a.data(), b.data(), 3 * sizeof(double)) == 0;
@@ -25,7 +25,7 @@ std::string text(const Vec3& v) {
 
 class Check {
  public:
-  Check(const ExactOracle& oracle, const Shadows& shadows, Form form)
+  Check(const GmpOracle& oracle, const Shadows& shadows, Form form)
       : oracle_(oracle),
         scene_(oracle.scene()),
         shadows_(shadows),
@@ -205,7 +205,7 @@ class Check {
     }
   }
 
-  const ExactOracle& oracle_;
+  const GmpOracle& oracle_;
   const Scene& scene_;
   const Shadows& shadows_;
   Form form_;
@@ -217,7 +217,7 @@ class Check {
 
 }  // namespace
 
-std::optional<Triple> ray_of(const ExactOracle& oracle, std::uint32_t facet,
+std::optional<Triple> ray_of(const GmpOracle& oracle, std::uint32_t facet,
                              const Construction& made) {
   if (made.vertex != none && made.vertex >= oracle.scene().vertices().size()) return {};
   try {
@@ -241,14 +241,14 @@ Triple middle_of(std::span<const Triple> rays, unsigned attempt) {
   return middle;
 }
 
-bool within_one_ulp(const ExactOracle& oracle, const Place& x, int axis, double value) {
+bool within_one_ulp(const GmpOracle& oracle, const Place& x, int axis, double value) {
   if (!std::isfinite(value)) return false;
   constexpr double infinity = std::numeric_limits<double>::infinity();
   return oracle.compare(x, axis, std::nextafter(value, -infinity)) >= 0 &&
          oracle.compare(x, axis, std::nextafter(value, infinity)) <= 0;
 }
 
-std::string check_exact(const ExactOracle& oracle, const Shadows& shadows, Form form) {
+std::string check_exact(const GmpOracle& oracle, const Shadows& shadows, Form form) {
   return Check(oracle, shadows, form).run();
 }
 

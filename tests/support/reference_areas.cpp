@@ -6,7 +6,7 @@
 #include <iostream>
 #include <shadowcut/io.hpp>
 
-#include "oracle.hpp"
+#include "cgal_oracle.hpp"
 #include "reference.hpp"
 
 namespace {
@@ -17,7 +17,7 @@ std::string digits(double x) {
 }
 
 std::string table(const shadowcut::Scene& scene, const shadowcut::Light& light) {
-  const shadowcut::testing::Oracle oracle(scene, light);
+  const shadowcut::testing::CgalOracle oracle(scene, light);
   std::string text = "light,object,face,area,lit_area\n";
   for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
     const auto area = oracle.area(i);

@@ -7,7 +7,7 @@
 #include <shadowcut/shadows.hpp>
 #include <string>
 
-#include "oracle.hpp"
+#include "cgal_oracle.hpp"
 
 namespace shadowcut::testing {
 
@@ -26,10 +26,10 @@ struct Alone {
 Alone cast_alone(const Scene& scene, const Light& light, const Options& options);
 
 // Facing, area and lit area of every face against the oracle.
-std::string check_areas(const Scene& scene, const Shadows& shadows, const Oracle& oracle,
+std::string check_areas(const Scene& scene, const Shadows& shadows, const CgalOracle& oracle,
                         const Undecided* undecided = nullptr);
 std::string check_areas(const Scene& scene, const Shadows& shadows,
-                        const std::vector<Oracle::Area>& wanted,
+                        const std::vector<CgalOracle::Area>& wanted,
                         const Undecided* undecided = nullptr);
 
 // Every face's lit area in two results of one scene. The scene's facing may not differ either.
@@ -52,10 +52,10 @@ std::string check_fragments(const Scene& scene, const Light& light, const Shadow
                             double tolerance = kAreaTolerance, Form form = Form::merged);
 
 // Random points well inside fragments against the oracle's ray through every facet.
-std::string check_points(const Scene& scene, const Shadows& shadows, const Oracle& oracle,
+std::string check_points(const Scene& scene, const Shadows& shadows, const CgalOracle& oracle,
                          std::uint64_t seed, int count, bool contact_may_cast = false);
 std::string check_points(const Scene& scene, const LightSets& sets, std::size_t light,
-                         const Oracle& oracle, std::uint64_t seed, int count);
+                         const CgalOracle& oracle, std::uint64_t seed, int count);
 
 // Every edge of a fragment that is not on its face's outline is, to the bit and the other way
 // round, an edge of another fragment: no T-junction, no crack.

@@ -270,7 +270,7 @@ void check_fragment(const Scene& scene, const Light& light, const Shadows& shado
 
 template <class Fragments, class Corners, class State>
 std::string check_points_of(const Scene& scene, const Fragments& fragments,
-                            const Corners& corners_of, const State& lit, const Oracle& oracle,
+                            const Corners& corners_of, const State& lit, const CgalOracle& oracle,
                             std::uint64_t seed, int count, bool contact_may_cast = false) {
   Report report;
   if (fragments.empty()) return {};
@@ -303,19 +303,19 @@ Alone cast_alone(const Scene& scene, const Light& light, const Options& options)
 
 double polygon_area(std::span<const Vec3> corners) { return area_vector(corners).norm(); }
 
-std::string check_areas(const Scene& scene, const Shadows& shadows, const Oracle& oracle,
+std::string check_areas(const Scene& scene, const Shadows& shadows, const CgalOracle& oracle,
                         const Undecided* undecided) {
   return check_areas(scene, shadows, oracle.areas(), undecided);
 }
 
 std::string check_areas(const Scene& scene, const Shadows& shadows,
-                        const std::vector<Oracle::Area>& wanted, const Undecided* undecided) {
+                        const std::vector<CgalOracle::Area>& wanted, const Undecided* undecided) {
   Report report;
   if (shadows.areas.size() != scene.faces().size()) return "areas are not one for each face\n";
   for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
     if (!receives(scene, i)) continue;
     const FaceArea& got = shadows.areas[i];
-    const Oracle::Area& want = wanted[i];
+    const CgalOracle::Area& want = wanted[i];
     if (got.facing != want.facing) {
       if (!want.unsure)
         report.add(name_of(scene, i), ": is ", name_of(got.facing), ", should be ",
@@ -471,7 +471,7 @@ std::string check_fragments(const Scene& scene, const Light& light, const Shadow
   return report.str();
 }
 
-std::string check_points(const Scene& scene, const Shadows& shadows, const Oracle& oracle,
+std::string check_points(const Scene& scene, const Shadows& shadows, const CgalOracle& oracle,
                          std::uint64_t seed, int count, bool contact_may_cast) {
   struct Where {
     std::uint32_t face, facet;
@@ -489,7 +489,7 @@ std::string check_points(const Scene& scene, const Shadows& shadows, const Oracl
 }
 
 std::string check_points(const Scene& scene, const LightSets& sets, std::size_t light,
-                         const Oracle& oracle, std::uint64_t seed, int count) {
+                         const CgalOracle& oracle, std::uint64_t seed, int count) {
   return check_points_of(
       scene, sets.fragments, [&](std::size_t k) { return sets.corners_of(sets.fragments[k]); },
       [&](std::size_t k) { return sets.reaches(k, light); }, oracle, seed, count);

@@ -297,7 +297,7 @@ TEST(Invariance, CombinedLightsKeepTheirRegions) {
           EXPECT_NEAR(whole[face], alone.area, kAreaTolerance * alone.area)
               << "light " << k << ", face " << face;
         }
-        EXPECT_EQ(check_points(scene, sets, k, Oracle(scene, lights[k]), seed, 40), "")
+        EXPECT_EQ(check_points(scene, sets, k, CgalOracle(scene, lights[k]), seed, 40), "")
             << "light " << k;
       }
     }

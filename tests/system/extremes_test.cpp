@@ -18,8 +18,8 @@
 #include <map>
 
 #include "check.hpp"
-#include "exact_oracle.hpp"
 #include "exact_scenes.hpp"
+#include "gmp_oracle.hpp"
 #include "settings.hpp"
 
 namespace shadowcut::testing {
@@ -71,10 +71,10 @@ class Recorder : public ::testing::Environment {
 };
 const auto* const recorder = ::testing::AddGlobalTestEnvironment(new Recorder);
 
-double exact_lit_area(const ExactOracle& oracle, const Face& face) {
+double exact_lit_area(const GmpOracle& oracle, const Face& face) {
   double sum = 0;
   for (std::uint32_t f = face.first_facet; f < face.first_facet + face.facet_count; ++f) {
-    if (oracle.role(f) != ExactOracle::Role::takes_part) continue;
+    if (oracle.role(f) != GmpOracle::Role::takes_part) continue;
     sum += std::abs(oracle.area(f, oracle.lit(f)).get_d()) * oracle.stretch(f).second;
   }
   return sum;
@@ -82,7 +82,7 @@ double exact_lit_area(const ExactOracle& oracle, const Face& face) {
 
 // The lit area of every face against the exact one, and the difference against the bound.
 void check_bound(const char* kind, std::uint64_t seed, const ExactScene& made, const Scene& scene,
-                 const ExactOracle& oracle, Kernel kernel, const char* name) {
+                 const GmpOracle& oracle, Kernel kernel, const char* name) {
   Options options;
   options.kernel = kernel;
   options.threads = 1;
@@ -122,7 +122,7 @@ TEST_P(Extremes, ErrorsStayWithinWhatIsUndecided) {
   for (std::uint64_t seed = first; seed < first + count && !HasFatalFailure(); ++seed) {
     const ExactScene made = exact_scene(GetParam(), seed);
     const Scene scene = build(made);
-    const ExactOracle oracle(scene, made.light);
+    const GmpOracle oracle(scene, made.light);
     if (!oracle.defined()) continue;
     check_bound(name_of(GetParam()), seed, made, scene, oracle, Kernel::fast, "fast");
   }
@@ -317,7 +317,7 @@ TEST(ExtremeSizes, ANearlyStraightSideIsNoReasonToLoseAFace) {
   const Light light = Light::point({2.6288025820009624, -2.9187873557860682, 5.5065393478184115});
   Scene scene;
   scene.add(mesh, open_sheet());
-  const ExactOracle oracle(scene, light);
+  const GmpOracle oracle(scene, light);
   ASSERT_TRUE(oracle.defined());
   for (const Kernel kernel : {Kernel::fast, Kernel::exact}) {
     for (const Form form : {Form::pieces, Form::merged, Form::conforming}) {

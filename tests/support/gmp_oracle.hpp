@@ -47,7 +47,7 @@ struct Place {
   Int d;
 };
 
-class ExactOracle {
+class GmpOracle {
  public:
   static constexpr double box_margin = 1e-12;
 
@@ -61,7 +61,7 @@ class ExactOracle {
 
   // The scene must outlive the oracle, and not change. The light needs neither range nor spot: they
   // are not looked at.
-  ExactOracle(const Scene& scene, const Light& light);
+  GmpOracle(const Scene& scene, const Light& light);
 
   bool defined() const { return undefined_.empty(); }
   const std::string& why_undefined() const { return undefined_; }

@@ -16,8 +16,8 @@
 
 #include "check.hpp"
 #include "exact_checks.hpp"
-#include "exact_oracle.hpp"
 #include "exact_scenes.hpp"
+#include "gmp_oracle.hpp"
 #include "settings.hpp"
 
 namespace shadowcut::testing {
@@ -52,7 +52,7 @@ Options some_options(std::uint64_t seed) {
   return o;
 }
 
-std::string check_scene(const Scene& scene, const Light& light, const ExactOracle& oracle,
+std::string check_scene(const Scene& scene, const Light& light, const GmpOracle& oracle,
                         const Options& options) {
   if (!oracle.defined()) return {};
   try {
@@ -64,7 +64,7 @@ std::string check_scene(const Scene& scene, const Light& light, const ExactOracl
 
 std::string check_scene(const ExactScene& made, const Options& options) {
   const Scene scene = build(made);
-  return check_scene(scene, made.light, ExactOracle(scene, made.light), options);
+  return check_scene(scene, made.light, GmpOracle(scene, made.light), options);
 }
 
 // For a failure's message.
@@ -89,7 +89,7 @@ TEST_P(ExactOf, RandomScenes) {
   for (std::uint64_t seed = range.first; seed < range.end; ++seed) {
     const ExactScene made = exact_scene(GetParam(), seed);
     const Scene scene = build(made);
-    const ExactOracle oracle(scene, made.light);
+    const GmpOracle oracle(scene, made.light);
     defined += oracle.defined();
     for (std::uint64_t k = 0; k < 3; ++k) {
       const Options options = some_options(3 * seed + k);
@@ -170,7 +170,7 @@ TEST(Exact, AreasOfFaces) {
     for (std::uint64_t seed = 8000; seed < 8030; ++seed) {
       const ExactScene made = exact_scene(kind, seed);
       const Scene scene = build(made);
-      const ExactOracle oracle(scene, made.light);
+      const GmpOracle oracle(scene, made.light);
       if (!oracle.defined()) continue;
       const Shadows shadows = cast_shadows(scene, made.light, some_options(seed));
       for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
@@ -199,7 +199,7 @@ TEST(Exact, CrowdedGrid) {
       made.objects.push_back(grid_object(random));
     made.light = grid_light(random);
     const Scene scene = build(made);
-    const ExactOracle oracle(scene, made.light);
+    const GmpOracle oracle(scene, made.light);
     for (std::uint64_t k = 0; k < 3; ++k) {
       const Options options = some_options(3 * seed + k);
       ASSERT_EQ(check_scene(scene, made.light, oracle, options), "")
@@ -223,7 +223,7 @@ TEST(Exact, SixtySheetsOneUlpApart) {
     }
     made.light = sun ? Light::directional({1, 2, -9}) : Light::point({3, 3, 1 + 0x1p-40});
     const Scene scene = build(made);
-    const ExactOracle oracle(scene, made.light);
+    const GmpOracle oracle(scene, made.light);
     for (std::uint64_t k = 0; k < 3; ++k)
       ASSERT_EQ(check_scene(scene, made.light, oracle, some_options(k)), "") << "options " << k;
   }
@@ -364,7 +364,7 @@ class Run {
     std::string what = engine_.validate();
     for (std::size_t k = 0; k < engine_.light_count() && what.empty(); ++k) {
       if (engine_.scene().light_id(k).index == none) continue;
-      const ExactOracle oracle(engine_.scene(), engine_.scene().lights()[k]);
+      const GmpOracle oracle(engine_.scene(), engine_.scene().lights()[k]);
       if (oracle.defined()) what = check_exact(oracle, engine_.shadows(k), options_.form);
       if (!what.empty()) what = "light " + std::to_string(k) + ": " + what;
     }

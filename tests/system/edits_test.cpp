@@ -90,7 +90,7 @@ std::string check_against_oracle(const Scene& scene, const Light& light, const S
   const bool inside = light.kind == Light::Kind::point && may_stand_inside(scene, light),
              only_facing = limited(light) || !solids;
   if (inside && only_facing) return {};
-  const Oracle oracle(scene, light, only_facing);
+  const CgalOracle oracle(scene, light, only_facing);
   return check_areas(scene, shadows, oracle, &undecided) +
          check_points(scene, shadows, oracle, seed, 20, true);
 }

@@ -1,6 +1,6 @@
-// See oracle.hpp. Doubles are used in one place only: to leave out pairs of facets that are clear
+// See cgal_oracle.hpp. Doubles are used in one place only: to leave out pairs of facets that are clear
 // of each other by a margin far above rounding.
-#include "oracle.hpp"
+#include "cgal_oracle.hpp"
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 
@@ -128,7 +128,7 @@ double angle_to_segment(const Vec3& axis, const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-struct Oracle::Impl {
+struct CgalOracle::Impl {
   const Scene& scene;
   Light light;
   bool point_light;
@@ -414,26 +414,26 @@ struct Oracle::Impl {
   }
 };
 
-Oracle::Oracle(const Scene& scene, const Light& light, bool only_facing)
+CgalOracle::CgalOracle(const Scene& scene, const Light& light, bool only_facing)
     : impl_(std::make_unique<Impl>(scene, light, only_facing)) {}
-Oracle::~Oracle() = default;
+CgalOracle::~CgalOracle() = default;
 
-Oracle::Area Oracle::area(std::uint32_t face) const { return impl_->area(face); }
+CgalOracle::Area CgalOracle::area(std::uint32_t face) const { return impl_->area(face); }
 
-std::vector<Oracle::Area> Oracle::areas() const {
+std::vector<CgalOracle::Area> CgalOracle::areas() const {
   std::vector<Area> all;
   for (std::uint32_t face = 0; face < impl_->scene.faces().size(); ++face)
     all.push_back(area(face));
   return all;
 }
 
-bool Oracle::unsure(std::uint32_t facet) const {
+bool CgalOracle::unsure(std::uint32_t facet) const {
   return impl_->seen[facet].unsure || impl_->reached[impl_->scene.facets()[facet].face] >= 2;
 }
 
-bool Oracle::lit(std::uint32_t facet, const Vec3& x) const { return impl_->lit(facet, x); }
+bool CgalOracle::lit(std::uint32_t facet, const Vec3& x) const { return impl_->lit(facet, x); }
 
-bool Oracle::in_contact(std::uint32_t facet, const Vec3& x) const {
+bool CgalOracle::in_contact(std::uint32_t facet, const Vec3& x) const {
   return impl_->any_between(facet, x, Impl::Between::in_contact);
 }
 

@@ -458,7 +458,7 @@ TEST(CoplanarShadows, BricksOfATurnedCubeDoNotCross) {
     for (std::size_t side = 0; side < 6; ++side)
       EXPECT_NEAR(lit[side], whole[side], 1e-12) << "seed " << seed << ", side " << side;
     if (seed < 3) {
-      const ExactOracle oracle(scene, made.light);
+      const GmpOracle oracle(scene, made.light);
       ASSERT_TRUE(oracle.defined()) << oracle.why_undefined();
       EXPECT_EQ(check_exact(oracle, shadows, options.form), "") << "seed " << seed;
     }

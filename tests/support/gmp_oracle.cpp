@@ -1,5 +1,5 @@
-// See exact_oracle.hpp.
-#include "exact_oracle.hpp"
+// See gmp_oracle.hpp.
+#include "gmp_oracle.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -120,7 +120,7 @@ std::vector<Loop> convex_loops(const std::vector<Triple>& rays, Loop loop) {
 
 }  // namespace
 
-ExactOracle::ExactOracle(const Scene& scene, const Light& light)
+GmpOracle::GmpOracle(const Scene& scene, const Light& light)
     : scene_(scene),
       point_light_(light.kind == Light::Kind::point),
       seen_(scene.facets().size()),
@@ -145,7 +145,7 @@ ExactOracle::ExactOracle(const Scene& scene, const Light& light)
   if (point_light_) check_boxes();
 }
 
-void ExactOracle::find_unit() {
+void GmpOracle::find_unit() {
   for (const Facet& f : scene_.facets()) {
     if (f.corner_count == 0) continue;
     lower_to(unit_, scene_.planes()[f.plane].point);
@@ -154,18 +154,18 @@ void ExactOracle::find_unit() {
   if (unit_ == std::numeric_limits<int>::max()) unit_ = 0;
 }
 
-Int ExactOracle::whole_number(double x, int unit) const {
+Int GmpOracle::whole_number(double x, int unit) const {
   const auto [mantissa, exponent] = split(x);
   if (mantissa == 0) return 0;
   if (exponent < unit) throw Error("a number that is not the scene's");
   return Int(mantissa) << static_cast<mp_bitcnt_t>(exponent - unit);
 }
 
-std::array<Int, 3> ExactOracle::position(const Vec3& x) const {
+std::array<Int, 3> GmpOracle::position(const Vec3& x) const {
   return {whole_number(x[0], unit_), whole_number(x[1], unit_), whole_number(x[2], unit_)};
 }
 
-std::array<Int, 3> ExactOracle::direction(const Vec3& v) {
+std::array<Int, 3> GmpOracle::direction(const Vec3& v) {
   int unit = std::numeric_limits<int>::max();
   lower_to(unit, v);
   std::array<Int, 3> out;
@@ -177,7 +177,7 @@ std::array<Int, 3> ExactOracle::direction(const Vec3& v) {
   return reduced(std::move(out));
 }
 
-ExactOracle::Quad ExactOracle::plane(const Vec3& normal, const Vec3& point) const {
+GmpOracle::Quad GmpOracle::plane(const Vec3& normal, const Vec3& point) const {
   Quad out;
   out.n = direction(normal);
   out.d = -dot(out.n, position(point));
@@ -188,7 +188,7 @@ ExactOracle::Quad ExactOracle::plane(const Vec3& normal, const Vec3& point) cons
 // light). Directional: with x, y, z along the axes and d the travel, r = (x d_z - z d_x, y d_z - z
 // d_y, 1). Put into n.x + D = 0 (times d_z): n_x r_0 + n_y r_1 + D d_z r_2 + z (n.d) = 0; nearness
 // is -z where light travels along +z.
-void ExactOracle::nearness(const Quad& plane, Triple& u, Int& w) const {
+void GmpOracle::nearness(const Quad& plane, Triple& u, Int& w) const {
   const auto axis = [this](std::size_t i) { return static_cast<std::size_t>(axes_[i]); };
   if (point_light_) {
     u = {plane.n[axis(0)], plane.n[axis(1)], plane.n[axis(2)]};
@@ -200,7 +200,7 @@ void ExactOracle::nearness(const Quad& plane, Triple& u, Int& w) const {
   if (travel_sign_ < 0) u = negated(u);
 }
 
-Triple ExactOracle::ray(const Vec3& x) const {
+Triple GmpOracle::ray(const Vec3& x) const {
   const auto axis = [this](std::size_t i) { return static_cast<std::size_t>(axes_[i]); };
   int unit = unit_;  // points of dividing planes may have finer digits than the scene's
   lower_to(unit, x);
@@ -216,7 +216,7 @@ Triple ExactOracle::ray(const Vec3& x) const {
   return reduced({p[axis(0)] * dz - z * dx, p[axis(1)] * dz - z * dy, Int(Int(1) << finer)});
 }
 
-Triple ExactOracle::line(const LightLine& line) const {
+Triple GmpOracle::line(const LightLine& line) const {
   if (!line.crossing) return as_line(cross(ray(line.v[0]), ray(line.v[1])));
   // Planes that an edit has left behind may have finer digits than the scene's.
   int unit = unit_;
@@ -240,14 +240,13 @@ Triple ExactOracle::line(const LightLine& line) const {
                   u[0][2] * w[1] - u[1][2] * w[0]});
 }
 
-bool ExactOracle::meets(std::uint32_t facet, const Triple& ray) const {
+bool GmpOracle::meets(std::uint32_t facet, const Triple& ray) const {
   return point_light_ ? sign_of_dot(seen_[facet].u, ray) > 0 : sgn(ray[2]) > 0;
 }
 
 // The plane through the light, a and b. Seen from the light, its positive side is the left of a ->
 // b if `a`, `b` run counter-clockwise around the positive side; cone() turns it as needed.
-ExactOracle::Quad ExactOracle::wall(const std::array<Int, 3>& a,
-                                    const std::array<Int, 3>& b) const {
+GmpOracle::Quad GmpOracle::wall(const std::array<Int, 3>& a, const std::array<Int, 3>& b) const {
   Quad out;
   Triple to_a = light_, to_b;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -259,7 +258,7 @@ ExactOracle::Quad ExactOracle::wall(const std::array<Int, 3>& a,
   return out;
 }
 
-ExactOracle::Cone ExactOracle::cone(const std::vector<std::array<Int, 3>>& corners) const {
+GmpOracle::Cone GmpOracle::cone(const std::vector<std::array<Int, 3>>& corners) const {
   Cone out;
   std::array<Int, 3> sum;
   for (const auto& c : corners) {
@@ -274,7 +273,7 @@ ExactOracle::Cone ExactOracle::cone(const std::vector<std::array<Int, 3>>& corne
   return out;
 }
 
-void ExactOracle::see(std::uint32_t index) {
+void GmpOracle::see(std::uint32_t index) {
   const Facet& facet = scene_.facets()[index];
   if (facet.corner_count == 0) return;
   Seen& s = seen_[index];
@@ -315,7 +314,7 @@ void ExactOracle::see(std::uint32_t index) {
   s.whole.settle();
 }
 
-void ExactOracle::check_boxes() {
+void GmpOracle::check_boxes() {
   Vec3 at;
   for (std::size_t i = 0; i < 3; ++i)
     at[static_cast<Eigen::Index>(i)] = std::ldexp(light_[i].get_d(), unit_);
@@ -333,7 +332,7 @@ void ExactOracle::check_boxes() {
 
 // The part of the caster's cones in which its plane is nearer than the receiver's: (u_C / w_C - u_F
 // / w_F) . r > 0.
-std::vector<Part> ExactOracle::shadows_on(const Seen& receiver, const Seen& caster) const {
+std::vector<Part> GmpOracle::shadows_on(const Seen& receiver, const Seen& caster) const {
   Triple nearer;
   for (std::size_t i = 0; i < 3; ++i)
     nearer[i] = caster.u[i] * receiver.w - receiver.u[i] * caster.w;
@@ -348,7 +347,7 @@ std::vector<Part> ExactOracle::shadows_on(const Seen& receiver, const Seen& cast
   return out;
 }
 
-const std::vector<Part>& ExactOracle::lit_parts(std::uint32_t facet) const {
+const std::vector<Part>& GmpOracle::lit_parts(std::uint32_t facet) const {
   Answer& answer = answers_[facet];
   if (answer.known) return answer.parts;
   const Seen& f = seen_[facet];
@@ -363,14 +362,14 @@ const std::vector<Part>& ExactOracle::lit_parts(std::uint32_t facet) const {
   return answer.parts;
 }
 
-const Region& ExactOracle::lit(std::uint32_t facet) const {
+const Region& GmpOracle::lit(std::uint32_t facet) const {
   lit_parts(facet);
   return answers_[facet].region;
 }
 
 // Twice the area is the sum over edges p -> q of p x q. On one line p x q = a x q - a x p for any a
 // of the line: so the sum over a line is that of count * (a x point).
-Rational ExactOracle::area(std::uint32_t facet, const Region& region) const {
+Rational GmpOracle::area(std::uint32_t facet, const Region& region) const {
   const int axis = stretch(facet).first;
   const auto i = static_cast<std::size_t>((axis + 1) % 3),
              j = static_cast<std::size_t>((axis + 2) % 3);
@@ -394,7 +393,7 @@ Rational ExactOracle::area(std::uint32_t facet, const Region& region) const {
   return abs(twice) / 2 * unit_squared;
 }
 
-std::pair<int, double> ExactOracle::stretch(std::uint32_t facet) const {
+std::pair<int, double> GmpOracle::stretch(std::uint32_t facet) const {
   const Vec3& n = scene_.planes()[scene_.facets()[facet].plane].exact_normal;
   Eigen::Index axis;
   const double largest = n.cwiseAbs().maxCoeff(&axis);
@@ -403,7 +402,7 @@ std::pair<int, double> ExactOracle::stretch(std::uint32_t facet) const {
 
 // Point light: light + r w / (u.r). Directional, with nearness q = (u.r) / (w r_2): z = -q or q, x
 // = (r_0 / r_2 + z d_x) / d_z.
-Place ExactOracle::place(std::uint32_t facet, const Triple& r) const {
+Place GmpOracle::place(std::uint32_t facet, const Triple& r) const {
   const Seen& f = seen_[facet];
   const Int near = dot(f.u, r);
   Place out;
@@ -429,8 +428,8 @@ Place ExactOracle::place(std::uint32_t facet, const Triple& r) const {
   return out;
 }
 
-ExactOracle::State ExactOracle::state_at(std::uint32_t facet, const Place& x,
-                                         std::vector<std::uint32_t>* by) const {
+GmpOracle::State GmpOracle::state_at(std::uint32_t facet, const Place& x,
+                                     std::vector<std::uint32_t>* by) const {
   const auto sign_at = [&](const Quad& q) { return sgn(Int(dot(q.n, x.n) + q.d * x.d)); };
   bool shadowed = false, doubtful = false;
   for (std::uint32_t c = 0; c < seen_.size(); ++c) {
@@ -453,7 +452,7 @@ ExactOracle::State ExactOracle::state_at(std::uint32_t facet, const Place& x,
   return shadowed ? State::shadowed : doubtful ? State::on_boundary : State::lit;
 }
 
-int ExactOracle::compare(const Place& x, int axis, double value) const {
+int GmpOracle::compare(const Place& x, int axis, double value) const {
   const Int& n = x.n[static_cast<std::size_t>(axis)];
   const auto [mantissa, exponent] = split(value);
   if (mantissa == 0) return sgn(n);
@@ -463,7 +462,7 @@ int ExactOracle::compare(const Place& x, int axis, double value) const {
                     : cmp(Int(n << static_cast<mp_bitcnt_t>(-shift)), other);
 }
 
-Vec3 ExactOracle::rounded(const Place& x) const {
+Vec3 GmpOracle::rounded(const Place& x) const {
   Vec3 out;
   for (std::size_t i = 0; i < 3; ++i) {
     Rational q(x.n[i], x.d);

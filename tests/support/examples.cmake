@@ -38,13 +38,13 @@ foreach(language IN ITEMS cpp c)
   target_link_libraries(example_${language} PRIVATE shadowcut_warnings)
   add_test(NAME example.${language}
     COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:example_${language}> -DPRINTS=${folder}/example.${language}.txt
-      -P ${CMAKE_CURRENT_SOURCE_DIR}/prints.cmake)
+      -P ${support}/prints.cmake)
 endforeach()
 target_link_libraries(example_cpp PRIVATE shadowcut::core)
 target_link_libraries(example_c PRIVATE shadowcut::c)
 set_target_properties(example_c PROPERTIES C_STANDARD 11 C_STANDARD_REQUIRED ON C_EXTENSIONS OFF)
 
-# JavaScript's is run by Node (CMakeLists.txt), and finds the package as one that npm has installed.
+# JavaScript's is run by Node (web.cmake), and finds the package as one that npm has installed.
 extract_example(js ${folder})
 file(WRITE ${folder}/package.json "{\"type\": \"module\"}\n")
 file(MAKE_DIRECTORY ${folder}/node_modules)

@@ -18,7 +18,7 @@ using scenes::SceneData;
 void expect_right(const Scene& scene, const Light& light, const Options& options = {},
                   bool only_facing = false) {
   const Shadows shadows = cast_shadows(scene, light, options);
-  const Oracle oracle(scene, light, only_facing);
+  const CgalOracle oracle(scene, light, only_facing);
   EXPECT_EQ(check_areas(scene, shadows, oracle), "");
   EXPECT_EQ(check_fragments(scene, light, shadows), "");
   EXPECT_EQ(check_points(scene, shadows, oracle, 1, 50), "");
@@ -323,7 +323,7 @@ TEST(Shadows, RangeAndConeReachDifferentParts) {
     light.range = range;
     for (const double turn : {0.2, 0.5, 0.8, 1.1}) {
       light.spot = Light::Spot{{1, 0, -0.6}, turn};
-      const Oracle oracle(s.scene, light);
+      const CgalOracle oracle(s.scene, light);
       EXPECT_EQ(check_areas(s.scene, cast_shadows(s.scene, light), oracle), "")
           << range << " " << turn;
     }

@@ -46,7 +46,7 @@ std::vector<Case> all_cases() {
 
 // Areas as the oracle has them, and fragments that add up to them.
 std::string check(const Scene& scene, const Result& result,
-                  const std::vector<Oracle::Area>& wanted) {
+                  const std::vector<CgalOracle::Area>& wanted) {
   std::string what = check_areas(scene, {{}, result.areas, {}}, wanted);
   std::vector<double> lit(scene.faces().size(), 0), shadowed(lit);
   for (const compare::Fragment& f : result.fragments) {
@@ -66,7 +66,7 @@ std::string check(const Scene& scene, const Result& result,
 std::string check(const SceneData& data, const Case& c) {
   const Scene scene = scenes::build(data);
   return check(scene, compare::cast(scene, {&data.light, 1}, c.algorithm, c.settings).front(),
-               Oracle(scene, data.light).areas());
+               CgalOracle(scene, data.light).areas());
 }
 
 Mesh without_face(const Mesh& mesh, std::size_t left_out) {
@@ -126,11 +126,11 @@ std::string explain(const SceneData& data, const Case& c) {
   return text(c.name, "; least scene that fails:\n", as_obj(least), "there: ", check(least, c));
 }
 
-class RivalsOf : public ::testing::TestWithParam<Kind> {};
-INSTANTIATE_TEST_SUITE_P(Kinds, RivalsOf, ::testing::ValuesIn(kAllKinds),
+class PublishedAlgorithmsOf : public ::testing::TestWithParam<Kind> {};
+INSTANTIATE_TEST_SUITE_P(Kinds, PublishedAlgorithmsOf, ::testing::ValuesIn(kAllKinds),
                          [](const auto& info) { return name_of(info.param); });
 
-TEST_P(RivalsOf, RandomScenes) {
+TEST_P(PublishedAlgorithmsOf, RandomScenes) {
   std::uint64_t first = 1000 * environment("SHADOWCUT_SEED").value_or(0),
                 end = first +
                       environment("SHADOWCUT_SOAK").value_or(8 * 25) / std::size(kAllKinds) + 1;
@@ -138,7 +138,7 @@ TEST_P(RivalsOf, RandomScenes) {
   for (std::uint64_t seed = first; seed < end; ++seed) {
     const SceneData data = random_scene(GetParam(), seed);
     const Scene scene = scenes::build(data);
-    const std::vector<Oracle::Area> wanted = Oracle(scene, data.light).areas();
+    const std::vector<CgalOracle::Area> wanted = CgalOracle(scene, data.light).areas();
     for (const Case& c : all_cases()) {
       const std::string what = check(
           scene, compare::cast(scene, {&data.light, 1}, c.algorithm, c.settings).front(), wanted);
@@ -148,15 +148,15 @@ TEST_P(RivalsOf, RandomScenes) {
 }
 
 // What one light cut is what the next one cuts, and no light's areas notice.
-TEST_P(RivalsOf, SeveralLights) {
+TEST_P(PublishedAlgorithmsOf, SeveralLights) {
   for (std::uint64_t seed = 700; seed < 704; ++seed) {
     const SceneData data = random_scene(GetParam(), seed);
     scenes::Random random(seed);
     const std::vector<Light> lights{data.light, random_light(GetParam(), random),
                                     random_light(GetParam(), random)};
     const Scene scene = scenes::build(data);
-    std::vector<std::vector<Oracle::Area>> wanted;
-    for (const Light& light : lights) wanted.push_back(Oracle(scene, light).areas());
+    std::vector<std::vector<CgalOracle::Area>> wanted;
+    for (const Light& light : lights) wanted.push_back(CgalOracle(scene, light).areas());
     for (const Case& c : all_cases()) {
       const std::vector<Result> results = compare::cast(scene, lights, c.algorithm, c.settings);
       ASSERT_EQ(results.size(), lights.size());
@@ -168,13 +168,13 @@ TEST_P(RivalsOf, SeveralLights) {
   }
 }
 
-TEST(Rivals, MadeScenes) {
+TEST(PublishedAlgorithms, MadeScenes) {
   for (const SceneData& data :
        {scenes::room(1), scenes::room(3), scenes::furnished_room(), scenes::tetrahedron(2),
         scenes::tetrahedron(3), scenes::city(6), scenes::spheres(4, 12, 8), scenes::triangles(100),
         scenes::branch(2)}) {
     const Scene scene = scenes::build(data);
-    const std::vector<Oracle::Area> wanted = Oracle(scene, data.light).areas();
+    const std::vector<CgalOracle::Area> wanted = CgalOracle(scene, data.light).areas();
     for (const Case& c : all_cases())
       EXPECT_EQ(
           check(scene, compare::cast(scene, {&data.light, 1}, c.algorithm, c.settings).front(),

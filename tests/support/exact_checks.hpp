@@ -5,7 +5,7 @@
 #include <shadowcut/shadows.hpp>
 #include <string>
 
-#include "exact_oracle.hpp"
+#include "gmp_oracle.hpp"
 
 namespace shadowcut::testing {
 
@@ -26,18 +26,18 @@ namespace shadowcut::testing {
 //     as the fragment says, and its caster is
 //      (Form::pieces), or shares its object with (other forms), a face that casts there;
 //   6. every face is said to face the light iff it does.
-std::string check_exact(const ExactOracle& oracle, const Shadows& shadows, Form form);
+std::string check_exact(const GmpOracle& oracle, const Shadows& shadows, Form form);
 
 // The ray of a fragment's corner as its construction has it; nothing where it has none on that
 // facet. The lines `in` and `out` may be any two that cross there: where a corner lies straight on
 // an edge they cannot both be the fragment's own.
-std::optional<Triple> ray_of(const ExactOracle& oracle, std::uint32_t facet,
+std::optional<Triple> ray_of(const GmpOracle& oracle, std::uint32_t facet,
                              const Construction& construction);
 
 // A ray of the inside of a convex ring; each attempt gives another one.
 Triple middle_of(std::span<const Triple> rays, unsigned attempt);
 
 // Whether value is within one ulp of the place's coordinate.
-bool within_one_ulp(const ExactOracle& oracle, const Place& x, int axis, double value);
+bool within_one_ulp(const GmpOracle& oracle, const Place& x, int axis, double value);
 
 }  // namespace shadowcut::testing
