@@ -14,8 +14,8 @@ namespace {
 
 using scenes::Random;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::array<double, 4> scales{1e-30, 1e-9, 1e9, 1e30};
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::array<double, 4> kScales{1e-30, 1e-9, 1e9, 1e30};
 
 Vec3 grid_point(Random& random) {
   const std::uint64_t n = random.below(64);
@@ -248,7 +248,7 @@ ExactScene pencil(Random& random) {
 }
 
 double nudged(double x, Random& random) {
-  const double to = random.below(2) == 0 ? -infinity : infinity;
+  const double to = random.below(2) == 0 ? -kInfinity : kInfinity;
   for (std::uint64_t n = 1 + random.below(3); n > 0; --n) x = std::nextafter(x, to);
   return x;
 }
@@ -318,7 +318,7 @@ ExactScene stack(Random& random) {
     for (Vec3& v : sheet_corners) v[axis] = 1.5;
   }
   for (std::size_t n = some_count(random); n > 0; --n) {
-    for (Vec3& v : sheet_corners) v[axis] = std::nextafter(v[axis], infinity);
+    for (Vec3& v : sheet_corners) v[axis] = std::nextafter(v[axis], kInfinity);
     if (in_line(sheet_corners[0], sheet_corners[1], sheet_corners[2])) continue;
     std::vector<Vec3> shifted = sheet_corners;
     const Vec3 shift = grid_point(random) / 4;
@@ -353,7 +353,7 @@ ExactScene any_scene(Random& random) {
 
 ExactScene scaled_scene(Random& random) {
   ExactScene scene = any_scene(random);
-  const double factor = scales[random.below(4)];
+  const double factor = kScales[random.below(4)];
   for (ExactObject& object : scene.objects) scale(object, factor);
   scene.light.at *= factor;
   return scene;
@@ -363,7 +363,7 @@ ExactScene mixed_scales(Random& random) {
   ExactScene scene = any_scene(random);
   const bool with_one = random.below(2) == 0;
   const auto factor = [&] {
-    return with_one && random.below(2) == 0 ? 1.0 : scales[random.below(4)];
+    return with_one && random.below(2) == 0 ? 1.0 : kScales[random.below(4)];
   };
   for (ExactObject& object : scene.objects) scale(object, factor());
   scene.light.at *= factor();
@@ -410,7 +410,7 @@ ExactScene special_light(Random& random) {
     scene.light.at = -Vec3::UnitZ();
   if (random.below(2) == 0) {
     double& x = scene.light.at[static_cast<Eigen::Index>(random.below(3))];
-    if (x != 0) x = std::nextafter(x, random.below(2) == 0 ? -infinity : infinity);
+    if (x != 0) x = std::nextafter(x, random.below(2) == 0 ? -kInfinity : kInfinity);
   }
   return scene;
 }

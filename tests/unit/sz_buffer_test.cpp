@@ -21,7 +21,7 @@ using render::ShadowTexture;
 using scenes::Random;
 
 using Method = ShadowTexture::Method;
-constexpr int small_side = 96;
+constexpr int kSmallSide = 96;
 
 Pose random_pose(Random& random) {
   Pose pose = Pose::Identity();
@@ -134,8 +134,8 @@ void keep_up(const Light& light, std::uint64_t seed) {
   const render::OffscreenContext context;
   Company company(seed, light, 30);
   Model model(company.scene);
-  ShadowTexture kept(company.scene, model, {Method::sz_buffer, true, small_side});
-  ShadowTexture anew(company.scene, model, {Method::sz_buffer, false, small_side});
+  ShadowTexture kept(company.scene, model, {Method::sz_buffer, true, kSmallSide});
+  ShadowTexture anew(company.scene, model, {Method::sz_buffer, false, kSmallSide});
   double seen[4] = {}, made = 0, textures = 0;
   for (int frame = 0; frame < 1000; ++frame) {
     if (frame > 0) company.next_frame();
@@ -144,7 +144,7 @@ void keep_up(const Light& light, std::uint64_t seed) {
     anew.update();
     ASSERT_EQ(difference(kept, anew), "") << "seed " << seed << ", frame " << frame;
     if (frame % 25 == 24) {
-      ShadowTexture fresh(company.scene, model, {Method::sz_buffer, true, small_side});
+      ShadowTexture fresh(company.scene, model, {Method::sz_buffer, true, kSmallSide});
       fresh.update();
       ASSERT_EQ(difference(kept, fresh), "")
           << "seed " << seed << ", frame " << frame << ", from nothing";
@@ -166,8 +166,8 @@ TEST(SzBuffer, IsMadeAnewWhenItsLightMovesOrTheSceneOutgrowsIt) {
   const render::OffscreenContext context;
   Company company(3, Light::directional(Vec3(0.3, 0.2, -1)), 10);
   Model model(company.scene);
-  ShadowTexture kept(company.scene, model, {Method::sz_buffer, true, small_side});
-  ShadowTexture anew(company.scene, model, {Method::sz_buffer, false, small_side});
+  ShadowTexture kept(company.scene, model, {Method::sz_buffer, true, kSmallSide});
+  ShadowTexture anew(company.scene, model, {Method::sz_buffer, false, kSmallSide});
   const auto compare = [&](const char* when) {
     model.scene_changed(company.scene);
     kept.update();
@@ -202,8 +202,8 @@ TEST(ShadowTexture, IsTheQuadraticMethodsToTheBit) {
         seed == 4 ? Light::point(Vec3(0.4, 0.3, 3.1)) : Light::directional(Vec3(0.3, 0.2, -1));
     Company company(seed, light, 30);
     Model model(company.scene);
-    ShadowTexture theirs(company.scene, model, {Method::sz_buffer, true, small_side});
-    ShadowTexture before(company.scene, model, {Method::quadratic, false, small_side});
+    ShadowTexture theirs(company.scene, model, {Method::sz_buffer, true, kSmallSide});
+    ShadowTexture before(company.scene, model, {Method::quadratic, false, kSmallSide});
     for (int frame = 0; frame < 40; ++frame) {
       company.next_frame();
       model.scene_changed(company.scene);

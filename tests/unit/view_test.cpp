@@ -15,7 +15,7 @@ namespace {
 
 using scenes::Random;
 
-constexpr double pi = std::numbers::pi;
+constexpr double kPi = std::numbers::pi;
 
 void expect_near(const Vec3& a, const Vec3& b, double tolerance, const std::string& what = "") {
   EXPECT_LT((a - b).norm(), tolerance)
@@ -87,13 +87,13 @@ TEST(Walking, TheFirstCameraIsTheOneGiven) {
 
 TEST(Walking, TurnsStopBeforeStraightUpAndDown) {
   Walker walker(camera({0, 0, 0}, {1, 0, 0}), 1);
-  walker.turn(pi / 2, 0);
+  walker.turn(kPi / 2, 0);
   expect_near(walker.camera().target, {0, -1, 0}, 1e-12);
   for (int k = 0; k < 10; ++k) walker.turn(0, 1);
-  EXPECT_NEAR(walker.camera().target.z(), std::sin(89 * pi / 180), 1e-12);
+  EXPECT_NEAR(walker.camera().target.z(), std::sin(89 * kPi / 180), 1e-12);
   for (int k = 0; k < 10; ++k) walker.turn(0, -1);
-  EXPECT_NEAR(walker.camera().target.z(), -std::sin(89 * pi / 180), 1e-12);
-  walker.turn(-pi / 2, 89 * pi / 180);
+  EXPECT_NEAR(walker.camera().target.z(), -std::sin(89 * kPi / 180), 1e-12);
+  walker.turn(-kPi / 2, 89 * kPi / 180);
   expect_near(walker.camera().target, {1, 0, 0}, 1e-12);
 }
 
