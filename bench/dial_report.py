@@ -3,8 +3,9 @@
 
     bench/dial_report.py bench/baseline/dial.json docs/accuracy.md docs/accuracy-methods.svg
 
-Of accuracy.md only what stands between the two lines BEGIN and END is replaced. Errors are shares of the area turned to the light: for
-fragments that of the symmetric difference with the exact regions, for samplers the sum over faces of what their areas are off by.
+Of accuracy.md only what stands between the two lines BEGIN and END is replaced. Errors are shares
+of the area turned to the light: for fragments that of the symmetric difference with the exact
+regions, for samplers the sum over faces of what their areas are off by.
 """
 import json
 import math
@@ -135,7 +136,10 @@ def frame(x, y, left, top, width, is_first):
         yield line(left, at, left + width, at, GRID, 0.8)
         if is_first and power % 2 == 0:
             yield text(left - 8, at + 4, power_text(power), "end", 11.5, SOFT)
-    yield f'<rect x="{left}" y="{top}" width="{width:.1f}" height="{PLOT_HEIGHT}" fill="none" stroke="{SOFT}"/>'
+    yield (
+        f'<rect x="{left}" y="{top}" width="{width:.1f}" height="{PLOT_HEIGHT}" fill="none" '
+        f'stroke="{SOFT}"/>'
+    )
     for side in (left, left + width):
         yield f'<rect x="{side - 4:.1f}" y="{y.cut - 4:.1f}" width="8" height="8" fill="white"/>'
         for shift in (-4, 4):
@@ -269,7 +273,10 @@ def draw(groups):
     width = (WIDTH - LEFT - 24 - (COLUMNS - 1) * GAP_X) / COLUMNS
     lines = math.ceil(len(shown) / COLUMNS)
     height = TOP + lines * (PLOT_HEIGHT + GAP_Y) + 16
-    yield f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{height}" viewBox="0 0 {WIDTH} {height}" font-family="sans-serif">'
+    yield (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{height}" viewBox="0 0 '
+        f'{WIDTH} {height}" font-family="sans-serif">'
+    )
     yield f'<rect width="{WIDTH}" height="{height}" fill="white"/>'
     yield text(LEFT, 32, "Time against error: lower left is better", size=18)
     kernels = [
@@ -354,7 +361,11 @@ def what(row):
 
 
 def glance(groups):
-    yield "| scene | faces | fast, ms | error | exact, ms | best rays in fast's time | their error | quickest rays within 1 %, x fast's time | within 0.1 % | best map: side, ms | its error |"
+    yield (
+        "| scene | faces | fast, ms | error | exact, ms | best rays in fast's time | their error "
+        "| quickest rays within 1 %, x fast's time | within 0.1 % | best map: side, ms | its "
+        "error |"
+    )
     yield "|---|---|---|---|---|---|---|---|---|---|---|"
     for key, rows in groups.items():
         fast, exact = ours(rows, "fast"), ours(rows, "exact")
@@ -437,12 +448,17 @@ def bounds(groups):
     """Whether what is said to be undecided holds the errors."""
     rows = [r for rows in groups.values() for r in of(rows, "shadowcut") if "undecided_area" in r]
     broken = [
-        f"{name((r['scene'], r['light']))}, {r['parameters']['form']} ({share_text(error(r))} against {share_text(share_of(r, 'undecided_area'))}, {r['beyond_undecided']} faces)"
+        f"{name((r['scene'], r['light']))}, {r['parameters']['form']} "
+        f"({share_text(error(r))} against {share_text(share_of(r, 'undecided_area'))}, "
+        f"{r['beyond_undecided']} faces)"
         for r in rows
         if r["symmetric_difference"] > r["undecided_area"] or r["beyond_undecided"]
     ]
     held = "of the whole and of every face" if not broken else "but not in " + "; ".join(broken)
-    yield f"Kernel `fast`: in {len(rows) - len(broken)} of {len(rows)} rows the error is within what `Engine::undecided` says, {held}."
+    yield (
+        f"Kernel `fast`: in {len(rows) - len(broken)} of {len(rows)} rows the error is within "
+        f"what `Engine::undecided` says, {held}."
+    )
     loose = [
         name((r["scene"], r["light"]))
         for r in rows
@@ -450,11 +466,17 @@ def bounds(groups):
         and r["undecided_area"] > 0.5 * r["facing_area"]
     ]
     if loose:
-        yield f"In {', '.join(loose)} that bound says nothing of kernel `fast`: see [below](#how-it-was-measured)."
+        yield (
+            f"In {', '.join(loose)} that bound says nothing of kernel `fast`: see "
+            "[below](#how-it-was-measured)."
+        )
 
 
 def shared_planes(groups):
-    yield "| model | kernel | facets put into a shared plane | x time | x nodes | x fragments | change of the lit region |"
+    yield (
+        "| model | kernel | facets put into a shared plane | x time | x nodes | x fragments | "
+        "change of the lit region |"
+    )
     yield "|---|---|---|---|---|---|---|"
     for key, rows in groups.items():
         for r in of(rows, "shadowcut"):
@@ -509,7 +531,9 @@ def describe(row):
 
 
 def structure_ms(row):
-    """The engine's parts are by the steady clock, which on a busy machine runs ahead of the processor time of the whole."""
+    """The engine's parts are by the steady clock, which on a busy machine runs ahead of the
+    processor time of the whole.
+    """
     return (
         row["structure_ms"]
         if "structure_ms" in row
@@ -518,15 +542,25 @@ def structure_ms(row):
 
 
 def details(key, rows):
-    yield f"<details><summary>{name(key)}: {rows[0]['facing_faces']} faces, {share_text(rows[0]['lit_area'] / rows[0]['facing_area'])} lit</summary>"
+    yield (
+        f"<details><summary>{name(key)}: {rows[0]['facing_faces']} faces, "
+        f"{share_text(rows[0]['lit_area'] / rows[0]['facing_area'])} lit</summary>"
+    )
     yield ""
-    yield "| method | ms | of it, structure | symmetric difference | area error | mean of a face, absolute | most of a face | wrong: lit + shadowed, missed | undecided | dropped | fragments | MB |"
+    yield (
+        "| method | ms | of it, structure | symmetric difference | area error | mean of a face, "
+        "absolute | most of a face | wrong: lit + shadowed, missed | undecided | dropped | "
+        "fragments | MB |"
+    )
     yield "|---|---|---|---|---|---|---|---|---|---|---|---|"
     for r in rows:
         if r["method"] == "edits":
             continue
         if "skipped" in r:
-            yield f"| {describe(r)} | left out: about {r['skipped']['estimate_ms'] / 1000:.0f} s | | | | | | | | | | |"
+            yield (
+                f"| {describe(r)} | left out: about {r['skipped']['estimate_ms'] / 1000:.0f} s | "
+                "| | | | | | | | | |"
+            )
             continue
         cells = [
             describe(r),
@@ -621,29 +655,50 @@ def advice(groups):
     yield "| use | advice |"
     yield "|---|---|"
     yield (
-        f"| walkthrough, VR | Cut once with `fast`, merged, and draw the fragments: no screen is too fine for their edges, and a moved object costs {span(moves, '{:.2g}'.format)} ms in the median here, by what it touches. "
-        f"Where the light or most of the scene moves in every frame, a shadow map on the GPU is the better choice: it needs no build, and its errors, {span(maps, share_text)} of the area at its best here, are a texel wide. |"
+        "| walkthrough, VR | Cut once with `fast`, merged, and draw the fragments: no "
+        "screen is too fine for their edges, and a moved object costs "
+        f"{span(moves, '{:.2g}'.format)} ms in the median here, by what it touches. "
+        "Where the light or most of the scene moves in every frame, a shadow map on the GPU "
+        f"is the better choice: it needs no build, and its errors, {span(maps, share_text)} "
+        "of the area at its best here, are a texel wide. |"
     )
     yield (
-        f"| solar access, area reports | `fast`, merged: areas to {-math.ceil(math.log10(max(error(f) for f in fast.values())))} digits, where rays within 0.1 % take {span(against_fast(tenth), times_text)} times as long, "
-        f"if they get there at all, and are as quick in {quicker(tenth)} only. For totals within a per cent sampling is often the better choice: the right number of rays, spread by area, takes {span(against_fast(percent), times_text)} times as long as `fast`, "
+        "| solar access, area reports | `fast`, merged: areas to "
+        f"{-math.ceil(math.log10(max(error(f) for f in fast.values())))} digits, where rays "
+        f"within 0.1 % take {span(against_fast(tenth), times_text)} times as long, "
+        f"if they get there at all, and are as quick in {quicker(tenth)} only. For totals "
+        "within a per cent sampling is often the better choice: the right number of rays, "
+        f"spread by area, takes {span(against_fast(percent), times_text)} times as long as "
+        "`fast`, "
         f"and no longer in {quicker(percent)}. |"
     )
     yield (
-        "| lightmaps | For point lights and suns, draw the fragments into the texels: each gets its true share of light, without a ray. For area lights and soft shadows sample, since a tree is of one point of the light; "
-        f"and sample where a face has fewer than {worth:.0f} texels or so, since that many rays take the time of cutting it. |"
+        "| lightmaps | For point lights and suns, draw the fragments into the texels: each "
+        "gets its true share of light, without a ray. For area lights and soft shadows "
+        "sample, since a tree is of one point of the light; "
+        f"and sample where a face has fewer than {worth:.0f} texels or so, since that many "
+        "rays take the time of cutting it. |"
     )
     yield (
-        f"| drawings | `fast`, merged, or conforming ({span(welded, times_text)} times as long) where outlines must meet without T-junctions; `exact` where the drawing must not depend on the order of its parts. "
+        f"| drawings | `fast`, merged, or conforming ({span(welded, times_text)} times as "
+        "long) where outlines must meet without T-junctions; `exact` where the drawing must "
+        "not depend on the order of its parts. "
         "Samplers have no outlines to draw. |"
     )
     yield (
-        f"| validation | `exact`: no combinatorial mistake in any order of insertion, for {span(exact, times_text)} times the time of `fast`. "
-        "Rays are a second opinion that shares no code with it: look where they differ by more than their noise, and expect faces that touch only up to rounding there. |"
+        "| validation | `exact`: no combinatorial mistake in any order of insertion, for "
+        f"{span(exact, times_text)} times the time of `fast`. "
+        "Rays are a second opinion that shares no code with it: look where they differ by "
+        "more than their noise, and expect faces that touch only up to rounding there. |"
     )
     yield (
-        f"| previews | Sample: four rays a face, spread by area, are within {span([error(r) for r in few], share_text)} in {span(against_fast(few), '{:.2f}'.format)} of `fast`'s time, and need not be asked of faces that nobody looks at. "
-        f"But they miss the shadow or the light of {span([r['missed'] / r['facing_faces'] for r in few], share_text)} of the faces altogether, so go over to `fast` as soon as single faces count. |"
+        "| previews | Sample: four rays a face, spread by area, are within "
+        f"{span([error(r) for r in few], share_text)} in "
+        f"{span(against_fast(few), '{:.2f}'.format)} of `fast`'s time, and need not be asked "
+        "of faces that nobody looks at. "
+        "But they miss the shadow or the light of "
+        f"{span([r['missed'] / r['facing_faces'] for r in few], share_text)} of the faces "
+        "altogether, so go over to `fast` as soon as single faces count. |"
     )
     slivers = (
         "| slivers in the way | `min_feature`: fragments below a size are not handed out, so there "
@@ -681,7 +736,11 @@ def report(groups, figure):
     yield ""
     yield "## Wrong faces"
     yield ""
-    yield "Faces reported lit, though wholly shadowed + shadowed in part, though wholly lit; then, missed: of the face over a hundredth is lit, or shadowed, and nothing of that is reported."
+    yield (
+        "Faces reported lit, though wholly shadowed + shadowed in part, though wholly lit; then, "
+        "missed: of the face over a hundredth is lit, or shadowed, and nothing of that is "
+        "reported."
+    )
     yield ""
     yield from wrong_faces(groups)
     yield ""
@@ -702,13 +761,20 @@ def report(groups, figure):
     yield ""
     yield "## Coordinates that were once float"
     yield ""
-    yield "`Scene::coplanarity_tolerance` at 1e-6 instead of 1e-12, against the same kernel without; form merged."
+    yield (
+        "`Scene::coplanarity_tolerance` at 1e-6 instead of 1e-12, against the same kernel "
+        "without; form merged."
+    )
     yield ""
     yield from shared_planes(groups)
     yield ""
     yield "## Updates, and the join threshold"
     yield ""
-    yield "Median time of an update in microseconds, over 100 moves of objects by up to a tenth of their size, by kernel and `Options::join_threshold`; and how far the result is then from the exact one."
+    yield (
+        "Median time of an update in microseconds, over 100 moves of objects by up to a tenth of "
+        "their size, by kernel and `Options::join_threshold`; and how far the result is then "
+        "from the exact one."
+    )
     yield ""
     yield from edits(groups)
     yield ""

@@ -4,8 +4,8 @@
     SHADOWCUT_RECORD=extremes.json extremes_test
     bench/extremes_report.py extremes.json docs/accuracy.md
 
-Of accuracy.md only what stands between the two lines BEGIN and END is replaced. What the kinds of scenes are is read from
-tests/support/exact_scenes.hpp.
+Of accuracy.md only what stands between the two lines BEGIN and END is replaced. What the kinds of
+scenes are is read from tests/support/exact_scenes.hpp.
 """
 import json
 import pathlib
@@ -27,7 +27,10 @@ def sentences():
 
 
 def of_area(share):
-    """Errors may be many times the area: of a face whose area a kernel takes for nothing, for one."""
+    """Errors may be many times the area:
+
+    of a face whose area a kernel takes for nothing, for one.
+    """
     if share is None:
         return "none"
     return share_text(share) if share <= 1 else f"{share:.3g} x the area"
@@ -58,7 +61,8 @@ def report(rows):
     )
     yield ""
     yield (
-        f"Kernel `fast`: of {faces} faces {sum(r['wrong_faces'] for r in fast)} are wrong, and {sum(r['beyond'] for r in fast)} off by more than the kernel's own bound"
+        f"Kernel `fast`: of {faces} faces {sum(r['wrong_faces'] for r in fast)} are wrong, "
+        f"and {sum(r['beyond'] for r in fast)} off by more than the kernel's own bound"
         + (f": {outside}." if outside else ".")
     )
 
