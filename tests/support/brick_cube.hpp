@@ -29,8 +29,9 @@ inline Mesh bricks(const Vec3& corner, const Vec3& u, const Vec3& v, unsigned n)
     for (unsigned k = 0; from < n; ++k) {
       const double to =
           std::min<double>(n, from + (k == 0 && row % 2 == 1 && row + 1 < n ? 0.5 : 1));
-      scenes::append(mesh, scenes::rectangle(corner + u * (from / n) + v * (row / static_cast<double>(n)),
-                             u * ((to - from) / n), v / n));
+      scenes::append(mesh,
+                     scenes::rectangle(corner + u * (from / n) + v * (row / static_cast<double>(n)),
+                                       u * ((to - from) / n), v / n));
       from = to;
     }
   }
@@ -53,7 +54,8 @@ inline Mesh brick_cube(unsigned n) {
   Mesh mesh;
   for (const Side& s : kCubeSides) {
     scenes::append(mesh, bricks(s.corner, s.u, s.v, n));
-    scenes::append(mesh, scenes::rectangle(s.corner + 0.23 * s.u + 0.31 * s.v, 0.41 * s.u, 0.37 * s.v));
+    scenes::append(mesh,
+                   scenes::rectangle(s.corner + 0.23 * s.u + 0.31 * s.v, 0.41 * s.u, 0.37 * s.v));
   }
   return mesh;
 }
@@ -64,7 +66,7 @@ inline Mesh plain_cube() {
 }
 
 inline Scene scene_of(const Mesh& mesh, double tolerance = default_coplanarity,
-               const Pose& pose = Pose::Identity(), Sides sides = Sides::automatic) {
+                      const Pose& pose = Pose::Identity(), Sides sides = Sides::automatic) {
   Scene scene;
   scene.coplanarity_tolerance = tolerance;
   ObjectSettings settings;

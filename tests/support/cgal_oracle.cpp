@@ -1,5 +1,5 @@
-// See cgal_oracle.hpp. Doubles are used in one place only: to leave out pairs of facets that are clear
-// of each other by a margin far above rounding.
+// See cgal_oracle.hpp. Doubles are used in one place only: to leave out pairs of facets that are
+// clear of each other by a margin far above rounding.
 #include "cgal_oracle.hpp"
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>

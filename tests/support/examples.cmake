@@ -1,6 +1,8 @@
-# The programs in docs/embedding.md: each fenced block of code is a program, and the next block of text is what it prints.
+# The programs in docs/embedding.md: each fenced block of code is a program, and the next block of
+# text is what it prints.
 
-# Sets ${out} to what stands in the first block fenced as `language` of ${text}, and takes everything up to its end off ${text}.
+# Sets ${out} to what stands in the first block fenced as `language` of ${text}, and takes
+# everything up to its end off ${text}.
 macro(take_block language out)
   string(FIND "${text}" "\n```${language}\n" at)
   if(at EQUAL -1)
@@ -15,7 +17,8 @@ macro(take_block language out)
   string(SUBSTRING "${text}" ${at} -1 text)
 endmacro()
 
-# Writes the program to ${folder}/example.${language}, and what it prints to ${folder}/example.${language}.txt.
+# Writes the program to ${folder}/example.${language}, and what it prints to
+# ${folder}/example.${language}.txt.
 function(extract_example language folder)
   file(READ ${PROJECT_SOURCE_DIR}/docs/embedding.md text)
   take_block(${language} code)
@@ -30,14 +33,16 @@ function(extract_example language folder)
   file(WRITE ${folder}/example.${language}.txt "${prints}")
 endfunction()
 
-set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docs/embedding.md)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
+  ${PROJECT_SOURCE_DIR}/docs/embedding.md)
 set(folder ${CMAKE_CURRENT_BINARY_DIR}/examples)
 foreach(language IN ITEMS cpp c)
   extract_example(${language} ${folder})
   add_executable(example_${language} ${folder}/example.${language})
   target_link_libraries(example_${language} PRIVATE shadowcut_warnings)
   add_test(NAME example.${language}
-    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:example_${language}> -DPRINTS=${folder}/example.${language}.txt
+    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:example_${language}>
+    -DPRINTS=${folder}/example.${language}.txt
       -P ${support}/prints.cmake)
 endforeach()
 target_link_libraries(example_cpp PRIVATE shadowcut::core)

@@ -131,11 +131,11 @@ std::uint64_t nodes_of_new(const Scene& scene, const Options& options) {
 }
 
 Follower::Follower(const Setting& setting, std::uint64_t seed, const Options& options)
-      : where_(std::string("setting ") + setting.name + ", seed " + std::to_string(seed) + ", " +
-               testing::describe(options)),
-        options_(options),
-        script(setting, seed),
-        engine(script.scene(), options) {}
+    : where_(std::string("setting ") + setting.name + ", seed " + std::to_string(seed) + ", " +
+             testing::describe(options)),
+      options_(options),
+      script(setting, seed),
+      engine(script.scene(), options) {}
 
 std::string Follower::update(const std::string& edits) {
   edits_ = edits;

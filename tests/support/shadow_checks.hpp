@@ -8,7 +8,7 @@
 namespace shadowcut::testing {
 
 inline void expect_right(const Scene& scene, const Light& light, const Options& options = {},
-                  bool only_facing = false) {
+                         bool only_facing = false) {
   const Shadows shadows = cast_shadows(scene, light, options);
   const CgalOracle oracle(scene, light, only_facing);
   EXPECT_EQ(check_areas(scene, shadows, oracle), "");

@@ -125,7 +125,8 @@ static void watch(struct Watched* w, uint32_t light, int indexed, int doubles, i
   OK(shadowcut_buffers_create(light, &w->layout, &w->buffers));
 }
 
-/* Of one light: the same triangles, to the bit. Of all: the same areas of every face under every set of lights. */
+/* Of one light: the same triangles, to the bit. Of all: the same areas of every face under every
+ * set of lights. */
 static void check_watched(struct Watched* w, const shadowcut_engine* engine) {
   shadowcut_buffers* fresh = NULL;
   struct Triangle *kept, *wanted;

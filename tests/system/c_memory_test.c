@@ -7,7 +7,8 @@
 
 static int64_t after(int64_t n) { return n < 40 ? n + 1 : n + n / 8; }
 
-/* Whatever allocation of an update fails: the status says so, the engine answers nothing until it is compacted, and then all is right. */
+/* Whatever allocation of an update fails: the status says so, the engine answers nothing until it
+ * is compacted, and then all is right. */
 void test_memory_of_updates(int first) {
   int64_t n;
   int reached = 1, compactions = 0;

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "shadow_checks.hpp"
 #include "scenes.hpp"
+#include "shadow_checks.hpp"
 
 namespace shadowcut::testing {
 namespace {

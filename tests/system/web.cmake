@@ -11,7 +11,8 @@ if(SHADOWCUT_WEB AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   add_test(NAME web.is_native_to_the_bit COMMAND ${SHADOWCUT_NODE} --test
     ${web}/test/native.test.mjs)
   add_test(NAME web.package COMMAND ${SHADOWCUT_NODE} --test ${web}/test/package.test.mjs)
-  add_test(NAME example.js COMMAND ${CMAKE_COMMAND} "-DPROGRAM=${SHADOWCUT_NODE};${folder}/example.js"
+  add_test(NAME example.js COMMAND ${CMAKE_COMMAND}
+    "-DPROGRAM=${SHADOWCUT_NODE};${folder}/example.js"
     -DPRINTS=${folder}/example.js.txt -P ${support}/prints.cmake)
   set_tests_properties(web.build PROPERTIES FIXTURES_SETUP web_module TIMEOUT 1200)
   set_tests_properties(web.reference PROPERTIES FIXTURES_SETUP web_reference TIMEOUT ${patience})
@@ -46,7 +47,8 @@ if(SHADOWCUT_WEB AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
           ${walkthrough}/test/${name}.test.mjs)
         set_tests_properties(walkthrough.${name} PROPERTIES FIXTURES_REQUIRED web_page PROCESSORS 2
           TIMEOUT 1200
-          ENVIRONMENT "SHADOWCUT_CHROMIUM=${SHADOWCUT_CHROMIUM};SHADOWCUT_PROGRAM=$<TARGET_FILE:shadowcut_cli>")
+          ENVIRONMENT
+          "SHADOWCUT_CHROMIUM=${SHADOWCUT_CHROMIUM};SHADOWCUT_PROGRAM=$<TARGET_FILE:shadowcut_cli>")
       endforeach()
     endif()
   endif()
