@@ -695,7 +695,7 @@ def advice(groups):
         "| previews | Sample: four rays a face, spread by area, are within "
         f"{span([error(r) for r in few], share_text)} in "
         f"{span(against_fast(few), '{:.2f}'.format)} of `fast`'s time, and need not be asked "
-        "of faces that nobody looks at. "
+        "of faces that are not seen. "
         "But they miss the shadow or the light of "
         f"{span([r['missed'] / r['facing_faces'] for r in few], share_text)} of the faces "
         "altogether, so go over to `fast` as soon as single faces count. |"

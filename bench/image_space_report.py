@@ -277,7 +277,7 @@ def batagelo_verdicts(runs, small, moved):
     )
     yield (
         "- Theirs is \"limited to static scenes\": where an object moves the BSP tree has "
-        f"to be made anew, here {ms(moved[0].bsp)} ms ({moved[0].scene}) to "
+        f"to be made again, here {ms(moved[0].bsp)} ms ({moved[0].scene}) to "
         f"{ms(moved[-1].bsp)} ms ({moved[-1].scene}) a frame; with it the hybrid's gain in "
         "the five scenes is "
         f"{listed(ratio(c.standard[-1] / (c.bsp + c.hybrid[-1])) for c in moved)}."
@@ -472,7 +472,7 @@ def oh_growth(rows):
     yield "\n### Figure 7: growth\n"
     yield (
         "N spheres of 2 037 vertices, 4 070 triangles each, 800 x 600; every texture and "
-        "buffer is made anew in every frame. Milliseconds: making textures + drawing "
+        "buffer is made again in every frame. Milliseconds: making textures + drawing "
         "with them. Drawn: objects drawn into the light's views to make all textures, "
         "besides the receivers themselves.\n"
     )

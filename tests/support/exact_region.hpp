@@ -1,5 +1,5 @@
 // Rays, lines and regions of light space in whole numbers of any length: what the exact oracle and
-// the checks against it reckon with.
+// the checks against it compute with.
 //
 // A ray is three numbers up to a positive factor, a line (a plane through the light) three numbers
 // up to any factor but zero; both are kept divided by their greatest common divisor, so equal means

@@ -5,22 +5,16 @@
 // The definition, on the doubles of Scene::vertices(), Plane::exact_normal, Plane::point and
 // Light::at:
 //   1. A facet's plane is { x : exact_normal . (x - point) = 0 }. Its front faces a point light iff
-//     exact_normal . (light - point) > 0, a
-//      directional one iff exact_normal . travel < 0.
-//   2. A facet is edge-on, and takes no part, if that number is 0; if some corner x of it has
-//     another sign of exact_normal . (x - light)
-//   than
-//      point has, or zero (point lights); or if its corners, seen from the light, lie in one line.
+//      exact_normal . (light - point) > 0, a directional one iff exact_normal . travel < 0.
+//   2. A facet is edge-on, and takes no part, if that number is 0; if some corner x of the facet has
+//      another sign of exact_normal . (x - light) than point has, or zero (point lights); or if its
+//      corners, seen from the light, lie in one line.
 //   3. Of closed objects only facets whose front faces the light take part; of open ones both sides
-//     do.
+//      do.
 //   4. A facet's region is its plane cut by the cone of rays through the loop of its corners. A
-//     loop that is not convex as the light sees
-//   it
-//      is the simple polygon as it is.
+//      loop that is not convex as the light sees the loop is the simple polygon as it stands.
 //   5. x on one facet is shadowed iff another facet takes part and casts whose cone has the ray to
-//     x in its inside, and whose plane meets
-//   that
-//      ray strictly nearer to the light.
+//      x in its inside, and whose plane meets that ray strictly nearer to the light.
 // Outside of the definition (defined() is false) are a loop that crosses or touches itself as the
 // light sees it, and a point light in the box of a closed object, or as near to it as `box_margin`
 // of the box's coordinates: engines may ask on which side of a solid a light is.

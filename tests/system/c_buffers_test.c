@@ -121,7 +121,7 @@ static void watch(struct Watched* w, uint32_t light, int indexed, int doubles, i
   w->layout.masks = w->layout.objects = 1;
   w->layout.origin[0] = 1.5, w->layout.origin[2] = 0.7;
   w->layout.joined_gap = indexed ? 0 : 16;
-  w->layout.hole_share = doubles ? 0.03 : 0.5; /* some are laid out anew now and then */
+  w->layout.hole_share = doubles ? 0.03 : 0.5; /* some are laid out again now and then */
   OK(shadowcut_buffers_create(light, &w->layout, &w->buffers));
 }
 

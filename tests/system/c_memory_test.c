@@ -61,7 +61,7 @@ void test_memory_of_updates(int first) {
     OK(shadowcut_engine_validate(engine));
     OK(shadowcut_engine_shadows(engine, 0, &shadows));
     CHECK(fabs(shadowed_area(shadows, 0) - 16.0 / 9) < 1e-12);
-    /* Buffers that run out of memory fill themselves anew. */
+    /* Buffers that run out of memory fill themselves from the start. */
     support_fail_allocation(n);
     status = shadowcut_buffers_update(buffers, engine);
     support_fail_allocation(-1);

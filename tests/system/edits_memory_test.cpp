@@ -1,6 +1,6 @@
 // When memory runs out: operator new fails at the n-th allocation from now, for every n in turn. An
-// edit then leaves the scene as it was, and an engine either is right or says that it must be built
-// anew.
+// edit then leaves the scene as it was, and an engine either is right or says that it must be
+// built again.
 #include <gtest/gtest.h>
 
 #include <functional>

@@ -59,7 +59,7 @@ void in_every_form(const Play& play) {
 }
 
 // Edits large enough to be spread over threads: two buildings of five of a city at once. (Of more,
-// all would be built anew.)
+// all would be built again.)
 TEST(Moves, ManyAtOnceSameBitsOnAnyNumberOfThreads) {
   for (const Kernel kernel : {Kernel::fast, Kernel::exact}) {
     const SceneData data = scenes::city(12);

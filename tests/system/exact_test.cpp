@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ExactOf, ::testing::ValuesIn(kAllExactKinds),
 // Three settings a scene, all held against the one oracle: so any order of insertion and any prefix
 // gives the same lit points.
 TEST_P(ExactOf, RandomScenes) {
-  // small numbers: quickly reckoned
+  // small numbers: quickly computed
   const bool on_grid = GetParam() >= ExactKind::grid && GetParam() <= ExactKind::pencil;
   const Seeds range = seeds(on_grid ? 500 : 120, std::size(kAllExactKinds));
   std::uint64_t defined = 0;

@@ -135,14 +135,14 @@ void keep_up(const Light& light, std::uint64_t seed) {
   Company company(seed, light, 30);
   Model model(company.scene);
   ShadowTexture kept(company.scene, model, {Method::sz_buffer, true, kSmallSide});
-  ShadowTexture anew(company.scene, model, {Method::sz_buffer, false, kSmallSide});
+  ShadowTexture remade(company.scene, model, {Method::sz_buffer, false, kSmallSide});
   double seen[4] = {}, made = 0, textures = 0;
   for (int frame = 0; frame < 1000; ++frame) {
     if (frame > 0) company.next_frame();
     model.scene_changed(company.scene);
     kept.update();
-    anew.update();
-    ASSERT_EQ(difference(kept, anew), "") << "seed " << seed << ", frame " << frame;
+    remade.update();
+    ASSERT_EQ(difference(kept, remade), "") << "seed " << seed << ", frame " << frame;
     if (frame % 25 == 24) {
       ShadowTexture fresh(company.scene, model, {Method::sz_buffer, true, kSmallSide});
       fresh.update();
@@ -167,12 +167,12 @@ TEST(SzBuffer, IsMadeAnewWhenItsLightMovesOrTheSceneOutgrowsIt) {
   Company company(3, Light::directional(Vec3(0.3, 0.2, -1)), 10);
   Model model(company.scene);
   ShadowTexture kept(company.scene, model, {Method::sz_buffer, true, kSmallSide});
-  ShadowTexture anew(company.scene, model, {Method::sz_buffer, false, kSmallSide});
+  ShadowTexture remade(company.scene, model, {Method::sz_buffer, false, kSmallSide});
   const auto compare = [&](const char* when) {
     model.scene_changed(company.scene);
     kept.update();
-    anew.update();
-    EXPECT_EQ(difference(kept, anew), "") << when;
+    remade.update();
+    EXPECT_EQ(difference(kept, remade), "") << when;
   };
   compare("at first");
   EXPECT_FALSE(kept.views(0).extent(0, 5).empty());
