@@ -20,7 +20,7 @@
 //                         rays for the truth; of rays there is none, since they give areas only
 //   area_error            sum over faces of | lit area - exact lit area |; never more than the
 //                         above
-//   undecided_area        of kernels fast and single: the sum of Engine::undecided, which bounds
+//   undecided_area        of kernel fast: the sum of Engine::undecided, which bounds
 //                         the true error; and the faces whose areas
 //                         are off by more than their own share of it
 //   dropped_area          with a smallest feature: what is neither lit nor shadowed
@@ -136,8 +136,8 @@ Options single_thread(Kernel kernel, Form form) {
   return o;
 }
 
-constexpr std::pair<Kernel, const char*> kKernels[] = {
-    {Kernel::single, "single"}, {Kernel::fast, "fast"}, {Kernel::exact, "exact"}};
+constexpr std::pair<Kernel, const char*> kKernels[] = {{Kernel::fast, "fast"},
+                                                       {Kernel::exact, "exact"}};
 
 // Smallest areas are shares of the mean face turned to the light; solid angles are of point lights.
 std::vector<Setting> settings(double mean_face, Light::Kind light) {
@@ -398,8 +398,7 @@ void Bench::ours(const Scene& scene, const Errors& errors) {
 // Errors are against the scene as it was: what sharing planes changes in it.
 void Bench::with_shared_planes(const Scene& coplanar, const Errors& errors) {
   for (const auto& [kernel, name] : kKernels) {
-    if (kernel == Kernel::single || !wanted(std::string("shadowcut ") + name + " coplanar"))
-      continue;
+    if (!wanted(std::string("shadowcut ") + name + " coplanar")) continue;
     const Options options = single_thread(kernel, Form::merged);
     const Cast c = quickest([&] { return cast(coplanar, options); });
     ordered_json figures = c.json();

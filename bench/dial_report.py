@@ -3,8 +3,9 @@
 
     bench/dial_report.py bench/baseline/dial.json docs/accuracy.md docs/accuracy-methods.svg
 
-Of accuracy.md only what stands between the two lines BEGIN and END is replaced. Errors are shares of the area turned to the light: for
-fragments that of the symmetric difference with the exact regions, for samplers the sum over faces of what their areas are off by.
+Of accuracy.md only what stands between the two lines BEGIN and END is replaced. Errors are shares
+of the area turned to the light: for fragments that of the symmetric difference with the exact
+regions, for samplers the sum over faces of what their areas are off by.
 """
 import json
 import math
@@ -89,7 +90,7 @@ FIRST, FLOOR = 0, (
     -18,
 )  # powers of ten: where the upper part of the axis of errors begins, and the lower part
 BREAK = (0.72, 0.80)  # shares of a panel's height between which the axis is broken
-KERNELS = {"fast": "#1b6ca8", "exact": "#14724a", "single": "#7a4fa3"}
+KERNELS = {"fast": "#1b6ca8", "exact": "#14724a"}
 FORMS = {"pieces": "triangle", "merged": "diamond", "conforming": "square"}
 DIALS = {
     "min_area_share": ' stroke-opacity="0.55"',
@@ -135,7 +136,10 @@ def frame(x, y, left, top, width, is_first):
         yield line(left, at, left + width, at, GRID, 0.8)
         if is_first and power % 2 == 0:
             yield text(left - 8, at + 4, power_text(power), "end", 11.5, SOFT)
-    yield f'<rect x="{left}" y="{top}" width="{width:.1f}" height="{PLOT_HEIGHT}" fill="none" stroke="{SOFT}"/>'
+    yield (
+        f'<rect x="{left}" y="{top}" width="{width:.1f}" height="{PLOT_HEIGHT}" fill="none" '
+        f'stroke="{SOFT}"/>'
+    )
     for side in (left, left + width):
         yield f'<rect x="{side - 4:.1f}" y="{y.cut - 4:.1f}" width="8" height="8" fill="white"/>'
         for shift in (-4, 4):
@@ -193,7 +197,6 @@ def engine(rows, x, y):
             names.append((x(best["ms"]), y(error(best)), kernel, colour))
     for px, py, kernel, colour in names:
         shift_x, shift_y, anchor = {
-            "single": (-9, 4, "end"),
             "fast": (0, -11, "middle"),
             "exact": (0, 19, "middle"),
         }[kernel]
@@ -212,7 +215,7 @@ def panel(key, rows, x, y, left, top, width, is_first):
     yield from engine(rows, x, y)
 
 
-def legend(kernels):
+def legend(kernels, dials_shown):
     at, y = LEFT, 62
     for method, words in (
         ("rays", "Embree rays, 1 to 4096 a face"),
@@ -245,6 +248,8 @@ def legend(kernels):
         ("min_area_share", "fast, smallest feature by area"),
         ("min_solid_angle", "by solid angle"),
     ):
+        if dial not in dials_shown:
+            continue
         yield line(at + 14, y - 4, at + 40, y - 4, colour, 2, DIALS[dial]) + mark(
             "diamond", at + 27, y - 4, colour, 2.6
         )
@@ -261,13 +266,17 @@ def draw(groups):
         for _, rows in shown
         for r in rows
         if "ms" in r and r["method"] != "edits"
+        if "coplanarity_tolerance" not in r["parameters"]
         for e in [error(r)]
         if e > 10.0 ** FLOOR[0]
     )
     width = (WIDTH - LEFT - 24 - (COLUMNS - 1) * GAP_X) / COLUMNS
     lines = math.ceil(len(shown) / COLUMNS)
     height = TOP + lines * (PLOT_HEIGHT + GAP_Y) + 16
-    yield f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{height}" viewBox="0 0 {WIDTH} {height}" font-family="sans-serif">'
+    yield (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{height}" viewBox="0 0 '
+        f'{WIDTH} {height}" font-family="sans-serif">'
+    )
     yield f'<rect width="{WIDTH}" height="{height}" fill="white"/>'
     yield text(LEFT, 32, "Time against error: lower left is better", size=18)
     kernels = [
@@ -277,7 +286,8 @@ def draw(groups):
             r["parameters"].get("kernel") == k for _, rows in shown for r in of(rows, "shadowcut")
         )
     ]
-    yield from legend(kernels)
+    turned_dials = {d for _, rows in shown for r in of(rows, "shadowcut") for d in dials(r)}
+    yield from legend(kernels, turned_dials)
     for i, (key, rows) in enumerate(shown):
         left, top = LEFT + i % COLUMNS * (width + GAP_X), TOP + i // COLUMNS * (PLOT_HEIGHT + GAP_Y)
         yield from panel(
@@ -351,7 +361,11 @@ def what(row):
 
 
 def glance(groups):
-    yield "| scene | faces | fast, ms | error | exact, ms | best rays in fast's time | their error | quickest rays within 1 %, x fast's time | within 0.1 % | best map: side, ms | its error |"
+    yield (
+        "| scene | faces | fast, ms | error | exact, ms | best rays in fast's time | their error "
+        "| quickest rays within 1 %, x fast's time | within 0.1 % | best map: side, ms | its "
+        "error |"
+    )
     yield "|---|---|---|---|---|---|---|---|---|---|---|"
     for key, rows in groups.items():
         fast, exact = ours(rows, "fast"), ours(rows, "exact")
@@ -400,50 +414,51 @@ def wrong_faces(groups):
         ) + " |"
 
 
-SHARES = (1e-4, 1e-2, 1e-1)  # of the mean face: smallest features shown beside the kernels
+SHARES = (1e-4, 1e-2, 1e-1)  # of the mean face: smallest features shown, where they were measured
 
 
 def share_of(row, key):
     return row[key] / row["facing_area"]
 
 
-def kernels(groups):
-    yield "| scene | fast: error | undecided | single: x fast's time | x memory | error | undecided | " + " | ".join(
-        f"smallest {s:g}: x time | x memory | dropped | missed" for s in SHARES
-    ) + " |"
-    yield "|---|---|---|---|---|---|---|" + "---|---|---|---|" * len(SHARES)
+def has_smallest(groups):
+    return all(turned(rows, "min_area_share", s) for rows in groups.values() for s in SHARES)
+
+
+def fewer(groups):
+    shares = SHARES if has_smallest(groups) else ()
+    heads = [f"smallest {s:g}: x time | x fragments | dropped | missed" for s in shares]
+    yield "| " + " | ".join(["scene", "fast: error", "undecided", *heads]) + " |"
+    yield "|" + "---|" * (3 + 4 * len(shares))
     for key, rows in groups.items():
-        fast, single = ours(rows, "fast"), ours(rows, "single")
-
-        def against_fast(r):
-            return [f"{r[k] / fast[k]:.2f}" for k in ("ms", "bytes")]
-
+        fast = ours(rows, "fast")
         cells = [
             name(key),
             share_text(error(fast)),
             share_text(share_of(fast, "undecided_area")),
-            *against_fast(single),
-            share_text(error(single)),
-            share_text(share_of(single, "undecided_area")),
         ]
-        for s in SHARES:
+        for s in shares:
             r = turned(rows, "min_area_share", s)
-            cells += [*against_fast(r), share_text(share_of(r, "dropped_area")), r["missed"]]
+            cells += [f"{r[k] / fast[k]:.2f}" for k in ("ms", "fragments")]
+            cells += [share_text(share_of(r, "dropped_area")), r["missed"]]
         yield "| " + " | ".join(str(c) for c in cells) + " |"
 
 
 def bounds(groups):
     """Whether what is said to be undecided holds the errors."""
     rows = [r for rows in groups.values() for r in of(rows, "shadowcut") if "undecided_area" in r]
-    for kernel in ("fast", "single"):
-        mine = [r for r in rows if r["parameters"]["kernel"] == kernel]
-        broken = [
-            f"{name((r['scene'], r['light']))}, {r['parameters']['form']} ({share_text(error(r))} against {share_text(share_of(r, 'undecided_area'))}, {r['beyond_undecided']} faces)"
-            for r in mine
-            if r["symmetric_difference"] > r["undecided_area"] or r["beyond_undecided"]
-        ]
-        held = "of the whole and of every face" if not broken else "but not in " + "; ".join(broken)
-        yield f"Kernel `{kernel}`: in {len(mine) - len(broken)} of {len(mine)} rows the error is within what `Engine::undecided` says, {held}."
+    broken = [
+        f"{name((r['scene'], r['light']))}, {r['parameters']['form']} "
+        f"({share_text(error(r))} against {share_text(share_of(r, 'undecided_area'))}, "
+        f"{r['beyond_undecided']} faces)"
+        for r in rows
+        if r["symmetric_difference"] > r["undecided_area"] or r["beyond_undecided"]
+    ]
+    held = "of the whole and of every face" if not broken else "but not in " + "; ".join(broken)
+    yield (
+        f"Kernel `fast`: in {len(rows) - len(broken)} of {len(rows)} rows the error is within "
+        f"what `Engine::undecided` says, {held}."
+    )
     loose = [
         name((r["scene"], r["light"]))
         for r in rows
@@ -451,11 +466,17 @@ def bounds(groups):
         and r["undecided_area"] > 0.5 * r["facing_area"]
     ]
     if loose:
-        yield f"In {', '.join(loose)} that bound says nothing of kernel `fast`: see [below](#how-it-was-measured)."
+        yield (
+            f"In {', '.join(loose)} that bound says nothing of kernel `fast`: see "
+            "[below](#how-it-was-measured)."
+        )
 
 
 def shared_planes(groups):
-    yield "| model | kernel | facets put into a shared plane | x time | x nodes | x fragments | change of the lit region |"
+    yield (
+        "| model | kernel | facets put into a shared plane | x time | x nodes | x fragments | "
+        "change of the lit region |"
+    )
     yield "|---|---|---|---|---|---|---|"
     for key, rows in groups.items():
         for r in of(rows, "shadowcut"):
@@ -510,7 +531,9 @@ def describe(row):
 
 
 def structure_ms(row):
-    """The engine's parts are by the steady clock, which on a busy machine runs ahead of the processor time of the whole."""
+    """The engine's parts are by the steady clock, which on a busy machine runs ahead of the
+    processor time of the whole.
+    """
     return (
         row["structure_ms"]
         if "structure_ms" in row
@@ -519,15 +542,25 @@ def structure_ms(row):
 
 
 def details(key, rows):
-    yield f"<details><summary>{name(key)}: {rows[0]['facing_faces']} faces, {share_text(rows[0]['lit_area'] / rows[0]['facing_area'])} lit</summary>"
+    yield (
+        f"<details><summary>{name(key)}: {rows[0]['facing_faces']} faces, "
+        f"{share_text(rows[0]['lit_area'] / rows[0]['facing_area'])} lit</summary>"
+    )
     yield ""
-    yield "| method | ms | of it, structure | symmetric difference | area error | mean of a face, absolute | most of a face | wrong: lit + shadowed, missed | undecided | dropped | fragments | MB |"
+    yield (
+        "| method | ms | of it, structure | symmetric difference | area error | mean of a face, "
+        "absolute | most of a face | wrong: lit + shadowed, missed | undecided | dropped | "
+        "fragments | MB |"
+    )
     yield "|---|---|---|---|---|---|---|---|---|---|---|---|"
     for r in rows:
         if r["method"] == "edits":
             continue
         if "skipped" in r:
-            yield f"| {describe(r)} | left out: about {r['skipped']['estimate_ms'] / 1000:.0f} s | | | | | | | | | | |"
+            yield (
+                f"| {describe(r)} | left out: about {r['skipped']['estimate_ms'] / 1000:.0f} s | "
+                "| | | | | | | | | |"
+            )
             continue
         cells = [
             describe(r),
@@ -609,7 +642,6 @@ def advice(groups):
     few = [rays_by_area(rows, 4) for _, rows in scenes]
     exact = against_fast([ours(rows, "exact") for _, rows in scenes])
     welded = against_fast([ours(rows, "fast", "conforming") for _, rows in scenes])
-    single = [ours(rows, "single") for _, rows in scenes]
 
     def beside_fast(chosen, figure):
         return middle_span(
@@ -623,40 +655,72 @@ def advice(groups):
     yield "| use | advice |"
     yield "|---|---|"
     yield (
-        f"| walkthrough, VR | Cut once with `fast`, merged, and draw the fragments: no screen is too fine for their edges, and a moved object costs {span(moves, '{:.2g}'.format)} ms in the median here, by what it touches. "
-        f"Where the light or most of the scene moves in every frame, a shadow map on the GPU is the better choice: it needs no build, and its errors, {span(maps, share_text)} of the area at its best here, are a texel wide. |"
+        "| walkthrough, VR | Cut once with `fast`, merged, and draw the fragments: no "
+        "screen is too fine for their edges, and a moved object costs "
+        f"{span(moves, '{:.2g}'.format)} ms in the median here, by what it touches. "
+        "Where the light or most of the scene moves in every frame, a shadow map on the GPU "
+        f"is the better choice: it needs no build, and its errors, {span(maps, share_text)} "
+        "of the area at its best here, are a texel wide. |"
     )
     yield (
-        f"| solar access, area reports | `fast`, merged: areas to {-math.ceil(math.log10(max(error(f) for f in fast.values())))} digits, where rays within 0.1 % take {span(against_fast(tenth), times_text)} times as long, "
-        f"if they get there at all, and are as quick in {quicker(tenth)} only. For totals within a per cent sampling is often the better choice: the right number of rays, spread by area, takes {span(against_fast(percent), times_text)} times as long as `fast`, "
+        "| solar access, area reports | `fast`, merged: areas to "
+        f"{-math.ceil(math.log10(max(error(f) for f in fast.values())))} digits, where rays "
+        f"within 0.1 % take {span(against_fast(tenth), times_text)} times as long, "
+        f"if they get there at all, and are as quick in {quicker(tenth)} only. For totals "
+        "within a per cent sampling is often the better choice: the right number of rays, "
+        f"spread by area, takes {span(against_fast(percent), times_text)} times as long as "
+        "`fast`, "
         f"and no longer in {quicker(percent)}. |"
     )
     yield (
-        "| lightmaps | For point lights and suns, draw the fragments into the texels: each gets its true share of light, without a ray. For area lights and soft shadows sample, since a tree is of one point of the light; "
-        f"and sample where a face has fewer than {worth:.0f} texels or so, since that many rays take the time of cutting it. |"
+        "| lightmaps | For point lights and suns, draw the fragments into the texels: each "
+        "gets its true share of light, without a ray. For area lights and soft shadows "
+        "sample, since a tree is of one point of the light; "
+        f"and sample where a face has fewer than {worth:.0f} texels or so, since that many "
+        "rays take the time of cutting it. |"
     )
     yield (
-        f"| drawings | `fast`, merged, or conforming ({span(welded, times_text)} times as long) where outlines must meet without T-junctions; `exact` where the drawing must not depend on the order of its parts. "
+        f"| drawings | `fast`, merged, or conforming ({span(welded, times_text)} times as "
+        "long) where outlines must meet without T-junctions; `exact` where the drawing must "
+        "not depend on the order of its parts. "
         "Samplers have no outlines to draw. |"
     )
     yield (
-        f"| validation | `exact`: no combinatorial mistake in any order of insertion, for {span(exact, times_text)} times the time of `fast`. "
-        "Rays are a second opinion that shares no code with it: look where they differ by more than their noise, and expect faces that touch only up to rounding there. |"
+        "| validation | `exact`: no combinatorial mistake in any order of insertion, for "
+        f"{span(exact, times_text)} times the time of `fast`. "
+        "Rays are a second opinion that shares no code with it: look where they differ by "
+        "more than their noise, and expect faces that touch only up to rounding there. |"
     )
     yield (
-        f"| previews | Sample: four rays a face, spread by area, are within {span([error(r) for r in few], share_text)} in {span(against_fast(few), '{:.2f}'.format)} of `fast`'s time, and need not be asked of faces that nobody looks at. "
-        f"But they miss the shadow or the light of {span([r['missed'] / r['facing_faces'] for r in few], share_text)} of the faces altogether, so go over to `fast` as soon as single faces count. |"
+        "| previews | Sample: four rays a face, spread by area, are within "
+        f"{span([error(r) for r in few], share_text)} in "
+        f"{span(against_fast(few), '{:.2f}'.format)} of `fast`'s time, and need not be asked "
+        "of faces that are not seen. "
+        "But they miss the shadow or the light of "
+        f"{span([r['missed'] / r['facing_faces'] for r in few], share_text)} of the faces "
+        "altogether, so go over to `fast` as soon as single faces count. |"
     )
-    yield (
-        f"| memory is short | `single`: {beside_fast(single, 'bytes')} of `fast`'s memory, and that is all: it takes {beside_fast(single, 'ms')} of the time. The price is half the digits: errors of {span([error(r) for r in single], share_text)} of the area "
-        f"instead of {span([error(f) for f in fast.values()], share_text)}, and it cannot vouch for less than {span([share_of(r, 'undecided_area') for r in single], share_text)} of the area. Where memory is not short, take `fast`. Figures here: the median over the scenes (least to most). |"
+    slivers = (
+        "| slivers in the way | `min_feature`: fragments below a size are not handed out, so there "
+        "are fewer to draw, store or mesh. The tree and all other fragments are the same. "
     )
-    yield (
-        f"| slivers in the way | `min_feature`, for what comes after: fewer tiny fragments to draw, store or mesh. It is no way to save time: a ten-thousandth of the mean face drops {span([share_of(r, 'dropped_area') for r in small], share_text)} of the area "
-        f"and takes {beside_fast(small, 'ms')} of `fast`'s time, with {beside_fast(small, 'fragments')} of the fragments, since what is cut off needs planes of its own. A tenth of it drops {span([share_of(r, 'dropped_area') for r in large], share_text)}, "
-        f"takes {beside_fast(large, 'ms')} of the time and {beside_fast(large, 'bytes')} of the memory, "
-        f"and loses the light or the shadow of {span([r['missed'] / r['facing_faces'] for r in large], share_text)} of the faces: at that price sampling is the better choice. |"
-    )
+    if has_smallest(groups):
+        small, large = (
+            [turned(rows, "min_area_share", s) for _, rows in scenes]
+            for s in (SHARES[0], SHARES[-1])
+        )
+        dropped = [
+            span([share_of(r, "dropped_area") for r in chosen], share_text)
+            for chosen in (small, large)
+        ]
+        lost = span([r["missed"] / r["facing_faces"] for r in large], share_text)
+        slivers += (
+            f"A ten-thousandth of the mean face leaves {beside_fast(small, 'fragments')} of the "
+            f"fragments and drops {dropped[0]} of the area. A tenth of it leaves "
+            f"{beside_fast(large, 'fragments')}, drops {dropped[1]}, and loses the light or the "
+            f"shadow of {lost} of the faces: at that price sampling is the better choice. "
+        )
+    yield slivers.rstrip() + " |"
 
 
 def report(groups, figure):
@@ -672,30 +736,45 @@ def report(groups, figure):
     yield ""
     yield "## Wrong faces"
     yield ""
-    yield "Faces reported lit, though wholly shadowed + shadowed in part, though wholly lit; then, missed: of the face over a hundredth is lit, or shadowed, and nothing of that is reported."
+    yield (
+        "Faces reported lit, though wholly shadowed + shadowed in part, though wholly lit; then, "
+        "missed: of the face over a hundredth is lit, or shadowed, and nothing of that is "
+        "reported."
+    )
     yield ""
     yield from wrong_faces(groups)
     yield ""
-    yield "## Fewer digits, fewer fragments"
+    yield "## What is undecided"
     yield ""
-    yield (
-        "The kernel `single`, and the smallest feature (`Options::min_feature`) by area, as a share of the mean face turned to the light. Undecided: what the kernel itself says of its error, at most (`Engine::undecided`). "
-        "Dropped: neither lit nor shadowed (`FaceArea::dropped`). Missed as above. By solid angle: in the figure, and in the rows at the end."
-    )
+    words = "Undecided: what the kernel itself says of its error, at most (`Engine::undecided`)."
+    if has_smallest(groups):
+        words += (
+            " Then the smallest feature (`Options::min_feature`) by area, as a share of the mean "
+            "face turned to the light. Dropped: neither lit nor shadowed (`FaceArea::dropped`). "
+            "Missed as above. By solid angle: in the figure, and in the rows at the end."
+        )
+    yield words
     yield ""
-    yield from kernels(groups)
+    yield from fewer(groups)
     yield ""
     yield " ".join(bounds(groups))
     yield ""
     yield "## Coordinates that were once float"
     yield ""
-    yield "`Scene::coplanarity_tolerance` at 1e-6 instead of 1e-12, against the same kernel without; form merged."
+    yield (
+        "`Scene::coplanarity_tolerance` at 1e-6 instead of 1e-12, against the same kernel "
+        "without; form merged."
+    )
     yield ""
     yield from shared_planes(groups)
     yield ""
     yield "## Updates, and the join threshold"
     yield ""
-    yield "Median time of an update in microseconds, over 100 moves of objects by up to a tenth of their size, by kernel and `Options::join_threshold`; and how far the result is then from the exact one."
+    yield (
+        "Median time of an update in microseconds, over 100 moves of objects by up to a tenth of "
+        "their size, by kernel and `Options::join_threshold`; and how far the result is then "
+        "from the exact one."
+    )
     yield ""
     yield from edits(groups)
     yield ""

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Draws docs/updates.svg, the time of an update against the size of the scene: bench/edits_plot.py bench/baseline/edits.json docs/updates.svg
+"""Draws docs/updates.svg, the time of an update against the size of the scene:
 
-Both axes are logarithmic. For cities and for spheres: the full rebuild, and the next move of one object: its median, with a bar up to the
-99.9th percentile.
+    bench/edits_plot.py bench/baseline/edits.json docs/updates.svg
+
+Both axes are logarithmic. For cities and for spheres: the full rebuild, and the next move of one
+object: its median, with a bar up to the 99.9th percentile.
 """
 import json
 import sys
@@ -28,7 +30,10 @@ def grid(x, y):
         yield line(LEFT, at, WIDTH - RIGHT, at, GRID, 1 if is_major else 0.4)
         if is_major:
             yield text(LEFT - 9, at + 4.5, time_text(value), "end", colour=SOFT)
-    yield f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH - LEFT - RIGHT}" height="{HEIGHT - TOP - BOTTOM}" fill="none" stroke="{SOFT}"/>'
+    yield (
+        f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH - LEFT - RIGHT}" '
+        f'height="{HEIGHT - TOP - BOTTOM}" fill="none" stroke="{SOFT}"/>'
+    )
     yield text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 22, "faces turned to the light", "middle", 14)
     middle = (TOP + HEIGHT - BOTTOM) / 2
     yield text(
@@ -46,7 +51,10 @@ def curves(rows, x, y, colour):
     update = [(x(r["facing_faces"]), y(r["next"]["update_ms"]["median"])) for r in rows]
     yield path(rebuild, colour, ' stroke-dasharray="7 4"')
     for px, py in rebuild:
-        yield f'<rect x="{px - 3.5:.1f}" y="{py - 3.5:.1f}" width="7" height="7" fill="white" stroke="{colour}" stroke-width="1.6"/>'
+        yield (
+            f'<rect x="{px - 3.5:.1f}" y="{py - 3.5:.1f}" width="7" height="7" fill="white" '
+            f'stroke="{colour}" stroke-width="1.6"/>'
+        )
     for (px, py), r in zip(update, rows):
         top = y(r["next"]["update_ms"]["p999"])
         yield line(px, py, px, top, colour, 1.2) + line(px - 4, top, px + 4, top, colour, 1.2)
@@ -60,7 +68,10 @@ def legend(shown):
     for _, name, colour in shown:
         yield text(column, at, name, size=13.5, more=' font-weight="bold"')
         yield line(column, at + 19, column + 34, at + 19, colour, 2, ' stroke-dasharray="7 4"')
-        yield f'<rect x="{column + 13.5}" y="{at + 15.5}" width="7" height="7" fill="white" stroke="{colour}" stroke-width="1.6"/>'
+        yield (
+            f'<rect x="{column + 13.5}" y="{at + 15.5}" width="7" height="7" fill="white" '
+            f'stroke="{colour}" stroke-width="1.6"/>'
+        )
         yield text(column + 44, at + 24, "full rebuild")
         yield line(column, at + 42, column + 34, at + 42, colour, 2)
         yield f'<circle cx="{column + 17}" cy="{at + 42}" r="4.2" fill="{colour}"/>'
@@ -92,7 +103,8 @@ def draw(report):
     ]
     y = Axis(*decades(times), HEIGHT - BOTTOM, TOP)
     yield (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" '
+        f'viewBox="0 0 {WIDTH} {HEIGHT}" '
         'font-family="sans-serif">'
     )
     yield f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>'

@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
-"""Writes docs/speed.md's tables of updates from a run of shadowcut_bench_edits: bench/edits_report.py bench/baseline/edits.json > tables.md
+"""Writes docs/speed.md's tables of updates from a run of shadowcut_bench_edits:
 
-Shares are of the median rebuild of the same row. What the paper had is its table 2, "compared to U-SVBSP", second row of each scene.
+    bench/edits_report.py bench/baseline/edits.json > tables.md
+
+Shares are of the median rebuild of the same row. What the paper had is its table 2, "compared to
+U-SVBSP", second row of each scene.
 """
 import json
 import sys
@@ -28,28 +31,34 @@ report = json.load(open(sys.argv[1]))
 rows = report["rows"]
 
 print(
-    "| scene, object | moved of all faces | rebuild ms | first move ms | next move ms | first, share | next, share | the paper's |"
+    "| scene, object | moved of all faces | rebuild ms | first move ms | next move ms | "
+    "first, share | next, share | the paper's |"
 )
 print("|---|---|---|---|---|---|---|---|")
 for r in rows:
     if r["group"] == "table2":
         first, following = PAPER[r["name"]]
         print(
-            f"| {r['name']} | {r['moved_faces']} of {r['faces']} | {ms(r['rebuild_ms']['median'])} | {ms(r['first']['update_ms']['median'])} "
-            f"| {ms(r['next']['update_ms']['median'])} | {share(r['first_share'])} | {share(r['next_share'])} | {first} %, {following} % |"
+            f"| {r['name']} | {r['moved_faces']} of {r['faces']} | "
+            f"{ms(r['rebuild_ms']['median'])} | {ms(r['first']['update_ms']['median'])} "
+            f"| {ms(r['next']['update_ms']['median'])} | {share(r['first_share'])} | "
+            f"{share(r['next_share'])} | {first} %, {following} % |"
         )
 
 print()
 print(
-    "| row | faces | facing | moved | rebuild ms | first ms | next ms, median | 99.9 % | with the edit, median | 99.9 % | next, share | gone + new |"
+    "| row | faces | facing | moved | rebuild ms | first ms | next ms, median | 99.9 % | "
+    "with the edit, median | 99.9 % | next, share | gone + new |"
 )
 print("|---|---|---|---|---|---|---|---|---|---|---|---|")
 for r in rows:
     if r["group"] != "table2":
         update, total = r["next"]["update_ms"], r["next"]["edit_and_update_ms"]
         print(
-            f"| {r['name']} | {r['faces']} | {r['facing_faces']} | {r['moved_faces']} | {ms(r['rebuild_ms']['median'])} "
-            f"| {ms(r['first']['update_ms']['median'])} | {ms(update['median'])} | {ms(update['p999'])} | {ms(total['median'])} | {ms(total['p999'])} "
+            f"| {r['name']} | {r['faces']} | {r['facing_faces']} | {r['moved_faces']} | "
+            f"{ms(r['rebuild_ms']['median'])} "
+            f"| {ms(r['first']['update_ms']['median'])} | {ms(update['median'])} | "
+            f"{ms(update['p999'])} | {ms(total['median'])} | {ms(total['p999'])} "
             f"| {share(r['next_share'])} | {r['next']['gone']:.0f} + {r['next']['new']:.0f} |"
         )
 
@@ -59,6 +68,7 @@ if "long" in report:
     print("|---|---|---|---|---|---|---|---|")
     for p in report["long"]:
         print(
-            f"| {p['moves']} | {ms(p['update_ms']['median'])} | {ms(p['update_ms']['p999'])} | {p['nodes']} | {p['nodes'] / p['rebuild_nodes']:.3f} "
+            f"| {p['moves']} | {ms(p['update_ms']['median'])} | {ms(p['update_ms']['p999'])} "
+            f"| {p['nodes']} | {p['nodes'] / p['rebuild_nodes']:.3f} "
             f"| {p['marked_nodes']} | {p['bytes'] / 1e6:.1f} | {ms(p['rebuild_ms'])} |"
         )

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Writes docs/accuracy.md's part of the extremes, from what tests/extremes_test.cpp records:
+"""Writes docs/accuracy.md's part of the extremes, from what tests/system/extremes_test.cpp records:
 
     SHADOWCUT_RECORD=extremes.json extremes_test
     bench/extremes_report.py extremes.json docs/accuracy.md
 
-Of accuracy.md only what stands between the two lines BEGIN and END is replaced. What the kinds of scenes are is read from
-tests/exact_scenes.hpp.
+Of accuracy.md only what stands between the two lines BEGIN and END is replaced. What the kinds of
+scenes are is read from tests/support/exact_scenes.hpp.
 """
 import json
 import pathlib
@@ -15,7 +15,7 @@ import sys
 from dial_report import share_text
 
 BEGIN, END = "<!-- extremes -->", "<!-- /extremes -->"
-KINDS = pathlib.Path(__file__).parent.parent / "tests" / "exact_scenes.hpp"
+KINDS = pathlib.Path(__file__).parent.parent / "tests" / "support" / "exact_scenes.hpp"
 
 
 def sentences():
@@ -27,7 +27,10 @@ def sentences():
 
 
 def of_area(share):
-    """Errors may be many times the area: of a face whose area a kernel takes for nothing, for one."""
+    """Errors may be many times the area:
+
+    of a face whose area a kernel takes for nothing, for one.
+    """
     if share is None:
         return "none"
     return share_text(share) if share <= 1 else f"{share:.3g} x the area"
@@ -35,12 +38,12 @@ def of_area(share):
 
 def report(rows):
     found = {(r["kind"], r["kernel"]): r for r in rows}
-    yield "| kind | what it is | scenes, faces | exact | fast: error | bound | wrong faces | single: error | wrong faces |"
-    yield "|---|---|---|---|---|---|---|---|---|"
+    yield "| kind | what it is | scenes, faces | exact | fast: error | bound | wrong faces |"
+    yield "|---|---|---|---|---|---|---|"
     for kind, words in sentences().items():
         if (kind, "fast") not in found:
             continue
-        fast, single = found[kind, "fast"], found[kind, "single"]
+        fast = found[kind, "fast"]
         cells = [
             kind.replace("_", " "),
             words,
@@ -49,21 +52,19 @@ def report(rows):
             of_area(fast["error"]),
             of_area(fast["bound"]),
             fast["wrong_faces"],
-            of_area(single["error"]),
-            single["wrong_faces"],
         ]
         yield "| " + " | ".join(str(c) for c in cells) + " |"
-    for kernel in ("fast", "single"):
-        mine = [r for r in rows if r["kernel"] == kernel]
-        faces = sum(r["faces"] for r in mine)
-        outside = ", ".join(
-            f"{r['kind'].replace('_', ' ')} ({r['beyond']})" for r in mine if r["beyond"]
-        )
-        yield ""
-        yield (
-            f"Kernel `{kernel}`: of {faces} faces {sum(r['wrong_faces'] for r in mine)} are wrong, and {sum(r['beyond'] for r in mine)} off by more than the kernel's own bound"
-            + (f": {outside}." if outside else ".")
-        )
+    fast = [r for r in rows if r["kernel"] == "fast"]
+    faces = sum(r["faces"] for r in fast)
+    outside = ", ".join(
+        f"{r['kind'].replace('_', ' ')} ({r['beyond']})" for r in fast if r["beyond"]
+    )
+    yield ""
+    yield (
+        f"Kernel `fast`: of {faces} faces {sum(r['wrong_faces'] for r in fast)} are wrong, "
+        f"and {sum(r['beyond'] for r in fast)} off by more than the kernel's own bound"
+        + (f": {outside}." if outside else ".")
+    )
 
 
 def main():

@@ -1,15 +1,20 @@
-"""docs/papers.md's part of the papers that draw with graphics hardware; bench/papers_report.py calls it.
+"""docs/papers.md's part of the papers that draw with graphics hardware.
 
-The printed figures are those of H. Batagelo and I. Costa Junior, "Real-time shadow generation using BSP trees and stencil buffers" (1999),
-tables 2 and 3, of I. Kolic, Z. Mihajlovic and L. Budin, "Stencil shadow volumes for complex and deformable objects" (2004), table 1, and of
-K.-S. Oh and B.-S. Shin, "An efficient method for dynamic shadow texture generation" (2005), section 4. Ours come from
-shadowcut_bench_image_space. Whether a conclusion of theirs holds is decided here, from the figures.
+bench/papers_report.py calls it.
+
+The printed figures are those of H. Batagelo and I. Costa Junior, "Real-time shadow generation using
+BSP trees and stencil buffers" (1999), tables 2 and 3, of I. Kolic, Z. Mihajlovic and L. Budin,
+"Stencil shadow volumes for complex and deformable objects" (2004), table 1, and of K.-S. Oh and
+B.-S. Shin, "An efficient method for dynamic shadow texture generation" (2005), section 4. Ours come
+from shadowcut_bench_image_space. Whether a conclusion of theirs holds is decided here, from the
+figures.
 """
 import math
 
 from tables import percent, ratio, rows_of, verdict
 
-# Batagelo & Costa, table 2 (phases A to G and their total) and table 3 (A to D and their total), ms. "> 0,00" is 0 here.
+# Batagelo & Costa, table 2 (phases A to G and their total) and table 3 (A to D and their total),
+# ms. "> 0,00" is 0 here.
 HYBRID = {
     "sphere256": (1.75, 0.10, 0.35, 2.40, 0.40, 0.15, 0.60, 5.75),
     "solids96": (0.40, 0, 0.15, 0.55, 0.35, 0.05, 0.75, 2.25),
@@ -24,7 +29,8 @@ STANDARD = {
     "tetrahedra752:2": (5.40, 0.20, 3.15, 48.80, 57.55),
     "cubes1502": (10.35, 0.60, 6.55, 148.50, 166.00),
 }
-# Kolic et al., table 1: frames a second on a full screen and in a window, of the new method, Heidmann's, and without shadow.
+# Kolic et al., table 1: frames a second on a full screen and in a window, of the new method,
+# Heidmann's, and without shadow.
 KOLIC = {
     (640, 480): ((52.88, 43.23, 76.22), (82.1, 52.91, 641.03)),
     (800, 600): ((45.7, 36.36, 74.4), (61.54, 46.73, 534.76)),
@@ -34,7 +40,10 @@ KOLIC = {
 OH_SPEEDUP = 0.234
 
 CLOCKS = {
-    "processor": "Our times are processor time: with all drawing done by the processor that is the work, whatever else runs; but the hybrid's phases B to F, which it takes itself, are wall clock, and G is what is left.",
+    "processor": "Our times are processor time: with all drawing done by the processor that is "
+    "the work, "
+    "whatever else runs; but the hybrid's phases B to F, which it takes itself, are wall "
+    "clock, and G is what is left.",
     "wall": "Our times are wall clock.",
 }
 NOISE = 0.05  # by which a share of a frame's time may differ from run to run
@@ -92,7 +101,10 @@ def listed(words):
 
 
 class Comparison:
-    """One scene of theirs: milliseconds of both methods, by phase, at one size. The BSP tree is made beforehand, as theirs."""
+    """One scene of theirs:
+
+    milliseconds of both methods, by phase, at one size. The BSP tree is made beforehand, as theirs.
+    """
 
     def __init__(self, rows, scene, size, motion="light"):
         t = found(rows, motion, size, scene)
@@ -123,8 +135,10 @@ class Comparison:
 def batagelo_tables(runs):
     yield "\n### Tables 2 and 3: time by phase\n"
     yield (
-        "Milliseconds, and shares of the total. A: the eye's view (ours: in ambient light). B: sorting or finding casters, C: volumes, D: the SVBSP "
-        "tree, E: silhouettes, F: caps, G: drawing the shadows (ours: and the light where there are none). B and C of standard are one figure here. "
+        "Milliseconds, and shares of the total. A: the eye's view (ours: in ambient light). "
+        "B: sorting or finding casters, C: volumes, D: the SVBSP "
+        "tree, E: silhouettes, F: caps, G: drawing the shadows (ours: and the light where "
+        "there are none). B and C of standard are one figure here. "
         "The BSP tree is made beforehand, in both.\n"
     )
     rows = []
@@ -182,9 +196,12 @@ def batagelo_tables(runs):
 def batagelo_gains(runs, small, moved):
     yield "\n### Figures 9 and 10: the gain, and shadow polygons\n"
     yield (
-        "The gain is standard's time over the hybrid's. Filling: the share of a 640 x 480 picture's time that grows with its pixels, by the line through its "
-        "time and that at 160 x 120. Shadow polygons: sides of volumes, of standard; of the hybrid before the SVBSP tree and the silhouettes (of the BSP "
-        "tree's polygons), and after. The engine: its update after the light has moved, a new build, and drawing.\n"
+        "The gain is standard's time over the hybrid's. Filling: the share of a 640 x 480 "
+        "picture's time that grows with its pixels, by the line through its "
+        "time and that at 160 x 120. Shadow polygons: sides of volumes, of standard; of the "
+        "hybrid before the SVBSP tree and the silhouettes (of the BSP "
+        "tree's polygons), and after. The engine: its update after the light has moved, a "
+        "new build, and drawing.\n"
     )
     rows = []
     for c, s in zip(runs, small):
@@ -230,7 +247,8 @@ def batagelo_verdicts(runs, small, moved):
     yield from verdict(
         "The hybrid is faster than standard in every scene.",
         min(gains.values()) > 1,
-        f"{ratio(min(printed.values()))} to {ratio(max(printed.values()))} times there, {ratio(min(gains.values()))} to {ratio(max(gains.values()))} here.",
+        f"{ratio(min(printed.values()))} to {ratio(max(printed.values()))} times there, "
+        f"{ratio(min(gains.values()))} to {ratio(max(gains.values()))} here.",
         f"It is not in {listed(s for s, g in gains.items() if g <= 1)}.",
     )
     best = max(gains, key=gains.get)
@@ -238,24 +256,30 @@ def batagelo_verdicts(runs, small, moved):
     yield from verdict(
         "It gains most where much is hidden, as in the second scene of tetrahedra.",
         best == "tetrahedra752:2",
-        f"The same tetrahedra with the ground below and above them: {ratio(printed['tetrahedra752:1'])} and {ratio(printed['tetrahedra752:2'])} times there, "
+        "The same tetrahedra with the ground below and above them: "
+        f"{ratio(printed['tetrahedra752:1'])} and {ratio(printed['tetrahedra752:2'])} times "
+        "there, "
         f"{ratio(one)} and {ratio(two)} here.",
-        f"The most is {ratio(gains[best])} times, in {best}: what the silhouettes leave out counts as much as what is hidden. Of the two scenes the one "
+        f"The most is {ratio(gains[best])} times, in {best}: what the silhouettes leave out "
+        "counts as much as what is hidden. Of the two scenes the one "
         f"where much is hidden gains {'more' if two > one else 'less'}, as printed.",
     )
     cut = {c.scene: c.after / c.before for c in runs}
     yield from verdict(
         "The SVBSP tree and the silhouettes together leave fewer shadow polygons (figure 10).",
         max(cut.values()) < 1,
-        f"Of those before, {percent(min(cut.values()))} ({min(cut, key=cut.get)}) to {percent(max(cut.values()))} ({max(cut, key=cut.get)}) are left here.",
+        f"Of those before, {percent(min(cut.values()))} ({min(cut, key=cut.get)}) to "
+        f"{percent(max(cut.values()))} ({max(cut, key=cut.get)}) are left here.",
     )
     yield from cubes_verdict(
         next(c for c in runs if c.scene == "cubes1502"),
         next(c for c in small if c.scene == "cubes1502"),
     )
     yield (
-        f"- Theirs is \"limited to static scenes\": where an object moves the BSP tree has to be made anew, here {ms(moved[0].bsp)} ms ({moved[0].scene}) to "
-        f"{ms(moved[-1].bsp)} ms ({moved[-1].scene}) a frame; with it the hybrid's gain in the five scenes is "
+        "- Theirs is \"limited to static scenes\": where an object moves the BSP tree has "
+        f"to be made again, here {ms(moved[0].bsp)} ms ({moved[0].scene}) to "
+        f"{ms(moved[-1].bsp)} ms ({moved[-1].scene}) a frame; with it the hybrid's gain in "
+        "the five scenes is "
         f"{listed(ratio(c.standard[-1] / (c.bsp + c.hybrid[-1])) for c in moved)}."
     )
 
@@ -266,11 +290,15 @@ def cubes_verdict(cubes, small):
     saved = 6 * 125 - cubes.after
     worth = saved * drawing / cubes.after
     yield from verdict(
-        "The scene of cubes gains nothing from the SVBSP tree: its making costs as much as drawing.",
+        "The scene of cubes gains nothing from the SVBSP tree: "
+        "its making costs as much as drawing.",
         tree > worth,
-        f"The tree takes {percent(theirs[3] / theirs[-1])} of the time there (16.70 of 48.90 ms), {percent(tree / total)} here ({ms(tree)} of {ms(total)} ms).",
-        f"Silhouettes alone would leave at most six edges of each of 125 cubes, {saved:.0f} more than the tree leaves; at the mean price of a side those would take "
-        f"{ms(worth)} ms. Planes are cheaper than they were, and pixels dearer: at 160 x 120 the tree takes {percent(small.hybrid[3] / small.hybrid[-1])}, and there the "
+        f"The tree takes {percent(theirs[3] / theirs[-1])} of the time there (16.70 of 48.90 "
+        f"ms), {percent(tree / total)} here ({ms(tree)} of {ms(total)} ms).",
+        f"Silhouettes alone would leave at most six edges of each of 125 cubes, {saved:.0f} "
+        "more than the tree leaves; at the mean price of a side those would take "
+        f"{ms(worth)} ms. Planes are cheaper than they were, and pixels dearer: at 160 x 120 "
+        f"the tree takes {percent(small.hybrid[3] / small.hybrid[-1])}, and there the "
         f"sides would take {ms(saved * small.hybrid[6] / small.after)} ms.",
     )
 
@@ -278,8 +306,10 @@ def cubes_verdict(cubes, small):
 def batagelo(rows):
     yield "\n## Batagelo and Costa 1999: the hybrid of SVBSP tree and stencil buffer\n"
     yield (
-        "Five scenes of their kinds and numbers of polygons (data/scenes.hpp), 640 x 480, one light in ten places on a dome; the mean of the ten. Standard draws "
-        "the volume of every polygon that faces the light, the hybrid those that the SVBSP tree leaves, by their silhouettes."
+        "Five scenes of their kinds and numbers of polygons (data/scenes.hpp), 640 x 480, "
+        "one light in ten places on a dome; the mean of the ten. Standard draws "
+        "the volume of every polygon that faces the light, the hybrid those that the SVBSP "
+        "tree leaves, by their silhouettes."
     )
     scenes = list(HYBRID)
     runs = [Comparison(rows, s, LARGE) for s in scenes]
@@ -287,8 +317,11 @@ def batagelo(rows):
     yield from batagelo_tables(runs)
     yield from batagelo_gains(runs, small, [Comparison(rows, s, LARGE, "object") for s in scenes])
     yield (
-        "- Wrong by design: standard begins to count at the near plane and takes the eye to be in the light. Where the eye is in shadow, or a volume is cut by "
-        "the near plane, the picture comes out wrong: Render.StandardIsWrongWhereTheCameraIsInShadow in tests/render_test.cpp. The hybrid's caps mend it, and it "
+        "- Wrong by design: standard begins to count at the near plane and takes the eye to "
+        "be in the light. Where the eye is in shadow, or a volume is cut by "
+        "the near plane, the picture comes out wrong: "
+        "Render.StandardIsWrongWhereTheCameraIsInShadow in tests/system/render_test.cpp. The "
+        "hybrid's caps mend it, and it "
         "draws what rays see in the same places (Render.EveryTechniqueDrawsWhatRaysSee)."
     )
 
@@ -304,10 +337,15 @@ def kolic(rows):
         first["stencil-kolic"]["its_volume_triangles"],
     )
     yield (
-        "A branch of 2 878 triangles. Theirs: frames a second on a full screen, in a window. Ours: milliseconds a frame while the light moves. Their Heidmann finds "
-        "the branch's silhouette on the processor in every frame. Ours, stencil-standard, finds none: it makes the volume of every triangle that faces the light "
-        "(a leaf, which is open, always does), in every frame, and uploads them: \"processor\" in the table, part of its time. The hybrid does find silhouettes, after "
-        "the SVBSP tree; its BSP tree is made beforehand. The new method does nothing on the processor: its mesh is uploaded once, and that is not counted.\n"
+        "A branch of 2 878 triangles. Theirs: frames a second on a full screen, in a window. "
+        "Ours: milliseconds a frame while the light moves. Their Heidmann finds "
+        "the branch's silhouette on the processor in every frame. Ours, stencil-standard, "
+        "finds none: it makes the volume of every triangle that faces the light "
+        "(a leaf, which is open, always does), in every frame, and uploads them: "
+        "\"processor\" in the table, part of its time. The hybrid does find silhouettes, "
+        "after "
+        "the SVBSP tree; its BSP tree is made beforehand. The new method does nothing on the "
+        "processor: its mesh is uploaded once, and that is not counted.\n"
     )
     table, gains = [], {}
     for size in (*KOLIC, SMALL):
@@ -362,9 +400,12 @@ def kolic(rows):
     yield from verdict(
         "The new method is faster than Heidmann's in every size.",
         min(here) > 1,
-        f"{ratio(min(printed))} to {ratio(max(printed))} times there, {ratio(min(here))} to {ratio(max(here))} here.",
-        f"It saves the processor's part, and that is {percent(update)} of a frame of Heidmann's here at 640 x 480: there is no silhouette in it, and all the rest, "
-        f"triangles and pixels, is done by the same processor. It draws {ratio(triangles / sides)} times as many triangles.",
+        f"{ratio(min(printed))} to {ratio(max(printed))} times there, {ratio(min(here))} to "
+        f"{ratio(max(here))} here.",
+        f"It saves the processor's part, and that is {percent(update)} of a frame of "
+        "Heidmann's here at 640 x 480: there is no silhouette in it, and all the rest, "
+        "triangles and pixels, is done by the same processor. It draws "
+        f"{ratio(triangles / sides)} times as many triangles.",
     )
     yield from verdict(
         "Heidmann's method draws less than half as much.",
@@ -373,12 +414,21 @@ def kolic(rows):
         "Ours has no silhouettes.",
     )
     hybrid = first["stencil-hybrid"]
+    drawn = [
+        [found(rows, "light", s)[t]["draw_ms"] for t in ("stencil-hybrid", "stencil-kolic")]
+        for s in KOLIC
+    ]
     yield from verdict(
         "For a tree silhouettes are complicated and poorly justified.",
         hybrid["draw_ms"] > first["stencil-standard"]["frame_ms"],
-        f"At 640 x 480 the hybrid takes {ms(hybrid['draw_ms'])} ms, {ms(sum(hybrid[p] for p in PHASES))} of them on the processor before anything is drawn; volumes of all triangles "
-        f"{ms(first['stencil-standard']['frame_ms'])}. Where prisms of wood grow out of one another the BSP tree cuts them up, and it leaves {hybrid['its_shadow_polygons']:.0f} shadow polygons, "
-        f"beside {sides / 2:.0f} of standard's. The new method is faster than the hybrid in {sum(found(rows, 'light', s)['stencil-hybrid']['draw_ms'] > found(rows, 'light', s)['stencil-kolic']['draw_ms'] for s in KOLIC)} of "
+        f"At 640 x 480 the hybrid takes {ms(hybrid['draw_ms'])} ms, "
+        f"{ms(sum(hybrid[p] for p in PHASES))} of them on the processor before anything is "
+        "drawn; volumes of all triangles "
+        f"{ms(first['stencil-standard']['frame_ms'])}. Where prisms of wood grow out of one "
+        "another the BSP tree cuts them up, and it leaves "
+        f"{hybrid['its_shadow_polygons']:.0f} shadow polygons, "
+        f"beside {sides / 2:.0f} of standard's. The new method is faster than the hybrid in "
+        f"{sum(hybrid_ms > kolic_ms for hybrid_ms, kolic_ms in drawn)} of "
         f"{len(KOLIC)} sizes.",
     )
     growth = {
@@ -389,18 +439,25 @@ def kolic(rows):
     yield from verdict(
         "Shadows cost more in larger pictures.",
         min(growth.values()) > 1,
-        f"From 640 x 480 to 1024 x 768, 2.56 times the pixels (new, Heidmann, no shadow; full screen): {listed(map(ratio, theirs))} times there, "
+        "From 640 x 480 to 1024 x 768, 2.56 times the pixels (new, Heidmann, no shadow; "
+        f"full screen): {listed(map(ratio, theirs))} times there, "
         f"{listed(map(ratio, growth.values()))} here, where each pixel is work of the processor.",
     )
     yield (
-        f"- Where the balance shifts: at 160 x 120, a sixteenth of the pixels, Heidmann over new is {ratio(gains[SMALL])}. Without pixels to fill there is still "
+        "- Where the balance shifts: at 160 x 120, a sixteenth of the pixels, Heidmann over "
+        f"new is {ratio(gains[SMALL])}. Without pixels to fill there is still "
         "the vertex work of eight triangles in place of one, on the same processor."
     )
     yield (
-        "- Wrong by design: seven triangles a triangle leave the volume open at its far end. A ray of the eye that ends in the volume's depth then fails the depth test "
-        "once and not twice, and the next volume before it makes a shadow of that; ours draws an eighth (src/render/stencil_kolic.cpp). And the paper says nothing of a "
-        "camera within a volume, of which only one side is seen: Render.KolicIsWrongWhereTheCameraIsInAVolume in tests/render_test.cpp. On edges of volumes a pixel may be "
-        "left half done even so; Render.EveryTechniqueDrawsWhatRaysSee allows it two pixels a picture."
+        "- Wrong by design: seven triangles a triangle leave the volume open at its far end. "
+        "A ray of the eye that ends in the volume's depth then fails the depth test "
+        "once and not twice, and the next volume before it makes a shadow of that; ours "
+        "draws an eighth (src/render/stencil_kolic.cpp). And the paper says nothing of a "
+        "camera within a volume, of which only one side is seen: "
+        "Render.KolicIsWrongWhereTheCameraIsInAVolume in tests/system/render_test.cpp. On "
+        "edges of volumes a pixel may be "
+        "left half done even so; Render.EveryTechniqueDrawsWhatRaysSee allows it two pixels "
+        "a picture."
     )
 
 
@@ -414,8 +471,10 @@ def update_and_draw(technique):
 def oh_growth(rows):
     yield "\n### Figure 7: growth\n"
     yield (
-        "N spheres of 2 037 vertices, 4 070 triangles each, 800 x 600; every texture and buffer is made anew in every frame. Milliseconds: making textures + drawing "
-        "with them. Drawn: objects drawn into the light's views to make all textures, besides the receivers themselves.\n"
+        "N spheres of 2 037 vertices, 4 070 triangles each, 800 x 600; every texture and "
+        "buffer is made again in every frame. Milliseconds: making textures + drawing "
+        "with them. Drawn: objects drawn into the light's views to make all textures, "
+        "besides the receivers themselves.\n"
     )
     table, points = [], {"quadratic": [], "sz-buffer": []}
     for row in rows:
@@ -454,7 +513,9 @@ def oh_growth(rows):
 
     def growth(k):
         return (
-            f"Objects drawn for the textures grow as N^{drawn[k]:.2f} here. Making them takes {ratio(beside[k][0])} times the picture without shadows of {few} spheres, "
+            f"Objects drawn for the textures grow as N^{drawn[k]:.2f} here. Making them "
+            f"takes {ratio(beside[k][0])} times the picture without shadows of {few} "
+            "spheres, "
             f"{ratio(beside[k][1])} times that of {many}"
         )
 
@@ -467,15 +528,20 @@ def oh_growth(rows):
         "The time of the method before grows with N^2.",
         drawn["quadratic"] > 1.6,
         f"{growth('quadratic')}.",
-        "\"All objects between the object and the light\" are here those whose rectangles in the light's view meet the receiver's. Our crowd is as dense for any N, so a "
-        "receiver has as many more of them as the crowd is deeper, the cube root of N: N^1.33 in all. N^2 needs a crowd that grows denser.",
+        "\"All objects between the object and the light\" are here those whose rectangles in "
+        "the light's view meet the receiver's. Our crowd is as dense for any N, so a "
+        "receiver has as many more of them as the crowd is deeper, the cube root of N: "
+        "N^1.33 in all. N^2 needs a crowd that grows denser.",
     )
     last = points["quadratic"][-1][1] / points["sz-buffer"][-1][1]
     yield from verdict(
         "It is an order of magnitude faster.",
         last >= 10,
-        f"With {points['quadratic'][-1][0]} spheres textures are made {ratio(last)} times as fast here.",
-        "For the same reason; and both make the same textures, to the bit (ShadowTexture.IsTheQuadraticMethodsToTheBit in tests/sz_buffer_test.cpp), which costs "
+        f"With {points['quadratic'][-1][0]} spheres textures are made {ratio(last)} times as "
+        "fast here.",
+        "For the same reason; and both make the same textures, to the bit "
+        "(ShadowTexture.IsTheQuadraticMethodsToTheBit in tests/unit/sz_buffer_test.cpp), "
+        "which costs "
         "both the drawing of every receiver, of its triangles' rims too, and a copy.",
     )
 
@@ -483,7 +549,9 @@ def oh_growth(rows):
 def oh_coherence(rows):
     yield "\n### Figure 8: coherence\n"
     yield (
-        f"{rows[0]['count']} spheres, of which a share moves in every frame. Milliseconds as above. The speedup of the whole frame is the time without coherence over that with it, "
+        f"{rows[0]['count']} spheres, of which a share moves in every frame. Milliseconds as "
+        "above. The speedup of the whole frame is the time without coherence over that with "
+        "it, "
         "less one.\n"
     )
     table, speedups = [], {}
@@ -523,15 +591,19 @@ def oh_coherence(rows):
     yield from verdict(
         "The smaller the share of dynamic objects, the larger the speedup.",
         all(a > b - NOISE for a, b in zip(order, order[1:])) and order[0] > order[-1],
-        f"From {100 * order[-1]:.0f} % where all move, and {100 * speedups[50]:.0f} % with half, when nearly every texture is disturbed, to {percent(order[0])} where none does.",
+        f"From {100 * order[-1]:.0f} % where all move, and {100 * speedups[50]:.0f} % with "
+        f"half, when nearly every texture is disturbed, to {percent(order[0])} where none "
+        "does.",
     )
     ten = next(r["techniques"] for r in rows if r["dynamic_percent"] == 10)
     textures = ten["sz-buffer"]["update_ms"] / ten["sz-buffer-coherent"]["update_ms"] - 1
     yield from verdict(
         "With 10 % dynamic the whole frame gains, the making of textures much more.",
         textures > speedups[10] > 0,
-        f"The frame {percent(OH_SPEEDUP)} there, {percent(speedups[10])} here; textures {percent(textures)} here. Theirs are made by a card that fills fast; here "
-        f"they are {percent(ten['sz-buffer']['update_ms'] / ten['sz-buffer']['frame_ms'])} of a frame without coherence, so there is more to gain.",
+        f"The frame {percent(OH_SPEEDUP)} there, {percent(speedups[10])} here; textures "
+        f"{percent(textures)} here. Theirs are made by a card that fills fast; here "
+        f"they are {percent(ten['sz-buffer']['update_ms'] / ten['sz-buffer']['frame_ms'])} "
+        "of a frame without coherence, so there is more to gain.",
     )
 
 
@@ -540,9 +612,15 @@ def oh(growth, coherence):
     yield from oh_growth(growth)
     yield from oh_coherence(coherence)
     yield (
-        "- Wrong by design: a texture has pixels. Away from the edges of faces and shadows, by more than one of its pixels, the picture is as rays have it; within that it is not, "
-        "and the engine's fragments are (ShadowTexture.DrawsRandomThingsAsShadowVolumesDo in tests/sz_buffer_test.cpp counts both). One texture an object cannot say that an "
-        "object shadows itself: ours divides objects into receivers that cannot (src/render/receivers.hpp). The plain shadow map, beside them for comparison, has both limits and a "
+        "- Wrong by design: a texture has pixels. Away from the edges of faces and shadows, "
+        "by more than one of its pixels, the picture is as rays have it; within that it is "
+        "not, "
+        "and the engine's fragments are (ShadowTexture.DrawsRandomThingsAsShadowVolumesDo in "
+        "tests/unit/sz_buffer_test.cpp counts both). One texture an object cannot say that "
+        "an "
+        "object shadows itself: ours divides objects into receivers that cannot "
+        "(src/render/receivers.hpp). The plain shadow map, beside them for comparison, has "
+        "both limits and a "
         "bias besides."
     )
 
@@ -550,10 +628,16 @@ def oh(growth, coherence):
 def engine(document):
     yield "\n## The engine in the same frames\n"
     yield (
-        "Its own way for the frames above, at the papers' first size: fragments from nothing; brought up to date after the light has moved (all is new), after one object has (the last "
-        "of the scene: the whole sphere or tetrahedron, one cube, one leaf); and drawn. Beside it the fastest of the papers' techniques in the same frames, milliseconds a frame, "
-        "without the hybrid's BSP tree. Fragments are drawn in the conforming form, which leaves a rasteriser no cracks, and of which every update hands out everything again "
-        "(docs/design.md, section 6); in brackets the same updates in the merged form, which is the engine's default and hands out what changed.\n"
+        "Its own way for the frames above, at the papers' first size: fragments from "
+        "nothing; brought up to date after the light has moved (all is new), after one "
+        "object has (the last "
+        "of the scene: the whole sphere or tetrahedron, one cube, one leaf); and drawn. "
+        "Beside it the fastest of the papers' techniques in the same frames, milliseconds a "
+        "frame, "
+        "without the hybrid's BSP tree. Fragments are drawn in the conforming form, which "
+        "leaves a rasteriser no cracks, and of which every update hands out everything again "
+        "(docs/design.md, section 6); in brackets the same updates in the merged form, which "
+        "is the engine's default and hands out what changed.\n"
     )
     rows, faster = [], 0
     for name, scene in [("batagelo1999", s) for s in HYBRID] + [("kolic2004", "branch2878")]:
@@ -600,9 +684,15 @@ def engine(document):
         r["techniques"] for r in document["oh2005_coherence"] if r["dynamic_percent"] == 10
     )
     yield (
-        f"\nWith the light moving, update and drawing together are less than the fastest of the papers' in {faster} of {len(rows)} scenes; a scene that stands still costs the drawing "
-        f"alone. Not so with the spheres: with ten of a hundred moving, 40 700 triangles of 407 000, the update takes {ms(crowd['fragments']['update_ms'])} ms, in the merged form "
-        f"{ms(crowd['engine-merged']['update_ms'])} ms, beside {ms(crowd['sz-buffer-coherent']['update_ms'])} ms of the SZ-buffer and its textures. Every small triangle is a face to the "
+        "\nWith the light moving, update and drawing together are less than the fastest of "
+        f"the papers' in {faster} of {len(rows)} scenes; a scene that stands still costs the "
+        "drawing "
+        "alone. Not so with the spheres: with ten of a hundred moving, 40 700 triangles of "
+        f"407 000, the update takes {ms(crowd['fragments']['update_ms'])} ms, in the merged "
+        "form "
+        f"{ms(crowd['engine-merged']['update_ms'])} ms, beside "
+        f"{ms(crowd['sz-buffer-coherent']['update_ms'])} ms of the SZ-buffer and its "
+        "textures. Every small triangle is a face to the "
         "engine, and a few pixels to them."
     )
 
@@ -621,8 +711,11 @@ def balance(document):
         fixed = fixed_ms(small, large)
         shares.append((name, ms(small), ms(large), ms(fixed), percent(1 - fixed / large)))
     yield (
-        f"There is no graphics card here: the driver is {document['driver']}, with LP_NUM_THREADS={document['lp_num_threads'] or 'unset'}, so that one processor sets up every vertex and fills "
-        "every pixel. Drawing the branch, milliseconds; the part that is left without pixels, by the line through both sizes; and the share of the pixels at 640 x 480:\n"
+        f"There is no graphics card here: the driver is {document['driver']}, with "
+        f"LP_NUM_THREADS={document['lp_num_threads'] or 'unset'}, so that one processor sets "
+        "up every vertex and fills "
+        "every pixel. Drawing the branch, milliseconds; the part that is left without "
+        "pixels, by the line through both sizes; and the share of the pixels at 640 x 480:\n"
     )
     yield from rows_of(("", "160 x 120", "640 x 480", "without pixels", "filling"), shares)
     pairs = [
@@ -630,24 +723,39 @@ def balance(document):
         for s in HYBRID
     ]
     yield (
-        "\n- Filling is dear. What draws large volumes over the whole picture (standard, Kolić) pays for them by the pixel; the papers' cards filled faster than their processors could feed "
-        "them. Methods that spend the processor's time to save pixels (the hybrid's SVBSP tree, the engine's fragments) gain more here than on a card. "
-        f"The hybrid's gain is larger at 640 x 480 than with a sixteenth of the pixels in {sum(a > b for a, b in pairs)} of Batagelo and Costa's five scenes: "
-        f"{listed(map(ratio, (g for g, _ in pairs)))} and {listed(map(ratio, (g for _, g in pairs)))}.\n"
-        "- Vertex work is not free. Moving it from the processor to the card, which is Kolić's point, moves it here from the processor to the processor.\n"
-        "- The engine's update costs the same with any driver. Its drawing is that of the picture without shadows but for more vertices, and on a card would be near nothing."
+        "\n- Filling is dear. What draws large volumes over the whole picture (standard, "
+        "Kolić) pays for them by the pixel; the papers' cards filled faster than their "
+        "processors could feed "
+        "them. Methods that spend the processor's time to save pixels (the hybrid's SVBSP "
+        "tree, the engine's fragments) gain more here than on a card. "
+        "The hybrid's gain is larger at 640 x 480 than with a sixteenth of the pixels in "
+        f"{sum(a > b for a, b in pairs)} of Batagelo and Costa's five scenes: "
+        f"{listed(map(ratio, (g for g, _ in pairs)))} and "
+        f"{listed(map(ratio, (g for _, g in pairs)))}.\n"
+        "- Vertex work is not free. Moving it from the processor to the card, which is "
+        "Kolić's point, moves it here from the processor to the processor.\n"
+        "- The engine's update costs the same with any driver. Its drawing is that of the "
+        "picture without shadows but for more vertices, and on a card would be near nothing."
     )
 
 
 def page(document):
     yield "\n## With graphics hardware\n"
     yield (
-        "Written from bench/baseline/image_space.json (`shadowcut_bench_image_space`). The machines were a Celeron 466 MHz with a Riva TNT, a Pentium 4 2.8 GHz with a Radeon 9700, "
-        "and a Pentium 4 2.66 GHz with a Radeon 9800 XT; all figures of ours are from one run, and only ratios compare. "
+        "Written from bench/baseline/image_space.json (`shadowcut_bench_image_space`). The "
+        "machines were a Celeron 466 MHz with a Riva TNT, a Pentium 4 2.8 GHz with a Radeon "
+        "9700, "
+        "and a Pentium 4 2.66 GHz with a Radeon 9800 XT; all figures of ours are from one "
+        "run, and only ratios compare. "
         f"{CLOCKS[document['clock']]} Of each "
-        "frame the smaller of several rounds is taken, and techniques take turns, because the machine had other work meanwhile: ratios within a row are surer than between rows. Every technique's pictures are held against rays "
-        "(tests/render_test.cpp, tests/sz_buffer_test.cpp), and how each departs from its paper stands at the top of its file in src/render. Beside each stands what the engine's "
-        "fragments cost in the same frames. Figures 9 to 11, 7 and 8 are curves without numbers: of those only the conclusions compare."
+        "frame the smaller of several rounds is taken, and techniques take turns, because "
+        "the machine had other work meanwhile: ratios within a row are surer than between "
+        "rows. Every technique's pictures are held against rays "
+        "(tests/system/render_test.cpp, tests/unit/sz_buffer_test.cpp), and how each departs "
+        "from its paper stands at the top of its file in src/render. Beside each stands what "
+        "the engine's "
+        "fragments cost in the same frames. Figures 9 to 11, 7 and 8 are curves without "
+        "numbers: of those only the conclusions compare."
     )
     yield from batagelo(document["batagelo1999"])
     yield from kolic(document["kolic2004"])

@@ -7,7 +7,7 @@
 // first object, a shell or the ground, stays). A *first* move is one of an object that has stood
 // still since the build; it and some *next* moves to and fro are timed, remove() and insert()
 // together, each way of joining in a tree of its own. The published tree then holds the shadow
-// volumes; it reckons no areas or fragments, which the engine's update does. The tree's size after
+// volumes; it computes no areas or fragments, which the engine's update does. The tree's size after
 // all moves is told as a share of a fresh build's.
 #include <CLI/CLI.hpp>
 #include <algorithm>

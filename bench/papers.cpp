@@ -24,10 +24,10 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "cgal_oracle.hpp"
 #include "clipping.hpp"
 #include "compare.hpp"
 #include "json_file.hpp"
-#include "oracle.hpp"
 #include "samplers.hpp"
 #include "scenes.hpp"
 
@@ -239,7 +239,8 @@ ordered_json with_rays(const Scene& scene, const Light& light) {
 ordered_json exactly(const Scene& scene, const Light& light) {
   return timed([&] {
     double sum = 0;
-    for (const testing::Oracle::Area& area : testing::Oracle(scene, light).areas()) sum += area.lit;
+    for (const testing::CgalOracle::Area& area : testing::CgalOracle(scene, light).areas())
+      sum += area.lit;
     return sum;
   });
 }

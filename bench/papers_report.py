@@ -1,10 +1,14 @@
 #!/usr/bin/env python3
-"""Writes docs/papers.md and its chart: bench/papers_report.py papers.json edits.json joining.json image_space.json docs/papers.md docs/growth.svg
+"""Writes docs/papers.md and its chart:
 
-The printed figures are those of M. Slater, "A comparison of three shadow volume algorithms" (1992), tables 1 to 3, and of Y. Chrysanthou and
-M. Slater, "Shadow volume BSP trees for computation of shadows in dynamic scenes" (1995), tables 1 and 2. Ours come from shadowcut_bench_papers,
-shadowcut_bench_edits and shadowcut_bench_joining. Whether a conclusion of theirs holds is decided here, from the figures. The papers that draw
-with graphics hardware are image_space_report.py's.
+    bench/papers_report.py papers.json edits.json joining.json image_space.json \\
+      docs/papers.md docs/growth.svg
+
+The printed figures are those of M. Slater, "A comparison of three shadow volume algorithms" (1992),
+tables 1 to 3, and of Y. Chrysanthou and M. Slater, "Shadow volume BSP trees for computation of
+shadows in dynamic scenes" (1995), tables 1 and 2. Ours come from shadowcut_bench_papers,
+shadowcut_bench_edits and shadowcut_bench_joining. Whether a conclusion of theirs holds is decided
+here, from the figures. The papers that draw with graphics hardware are image_space_report.py's.
 """
 import json
 import math
@@ -43,14 +47,16 @@ SLATER_TETRAHEDRA = [
     (257, 299, (1.9, 1.6, 1.6), (649, 649, 773)),
     (1025, 1135, (21.3, 10.8, 7.3), (2672, 2672, 3268)),
 ]
-# Chrysanthou and Slater 1995, table 1: initial, after the BSP; seconds and shadow polygons of S-SVBSP, U-SVBSP after BSP, U-SVBSP.
+# Chrysanthou and Slater 1995, table 1: initial, after the BSP; seconds and shadow polygons of
+# S-SVBSP, U-SVBSP after BSP, U-SVBSP.
 CS95 = [
     (133, 178, (0.46, 332), (0.45, 237), (0.28, 172)),
     (211, 286, (0.72, 526), (0.74, 384), (0.51, 292)),
     (313, 579, (1.25, 892), (1.16, 677), (0.63, 389)),
     (745, 1830, (4.65, 3820), (3.70, 2458), (1.51, 1063)),
 ]
-# Table 2, second row of each scene: first and next move, percent of a rebuild of the unordered and of the ordered tree.
+# Table 2, second row of each scene: first and next move, percent of a rebuild of the unordered and
+# of the ordered tree.
 CS95_MOVES = {
     "room:1 computer": (12, 9, 7, 5),
     "room:2 computer": (14, 6, 10, 4),
@@ -78,7 +84,10 @@ GROWING = (  # name in the rows, in the chart, colour, mark
 def slater_rooms(report):
     rooms = [r for r in report["slater1992"] if r["scene"].startswith("slater")]
     yield "### Table 1: rooms\n"
-    yield "Seconds there, milliseconds here; then each algorithm as a share of basic in the same row.\n"
+    yield (
+        "Seconds there, milliseconds here; then each algorithm as a share of basic in the same "
+        "row.\n"
+    )
     rows = []
     for ours, (n, lights, after, *theirs) in zip(rooms, SLATER_ROOMS):
         times = [ours[k]["shadow_ms"] for k in OURS]
@@ -119,7 +128,8 @@ def slater_rooms(report):
     yield from verdict(
         "Basic grows faster than the other two.",
         growth[0] > max(growth[1:]),
-        f"From the smallest room to the largest, one light: {', '.join(map(ratio, printed))} times there, "
+        f"From the smallest room to the largest, one light: {', '.join(map(ratio, printed))} "
+        "times there, "
         f"{', '.join(map(ratio, growth))} times here (basic, tiling, SVBSP).",
     )
     tiling_first = sum(o["tiling"]["shadow_ms"] < o["svbsp"]["shadow_ms"] for o in rooms)
@@ -130,9 +140,12 @@ def slater_rooms(report):
         "Tiling is consistently a little faster than the SVBSP tree.",
         tiling_first == len(rooms),
         f"Here it is faster in {tiling_first} of {len(rooms)} rows.",
-        f"His SVBSP tree paid for allocating nodes one by one, ours takes them from one array; and 128 x 128 tiles, his best, cost "
-        f"more to fill and read today than the plane tests they save: with {best['tiles']} x {best['tiles']} the largest room takes "
-        f"{ms(best['shadow_ms'])} ms in place of {ms(rooms[9]['tiling']['shadow_ms'])}, the SVBSP tree "
+        "His SVBSP tree paid for allocating nodes one by one, ours takes them from one "
+        "array; and 128 x 128 tiles, his best, cost "
+        f"more to fill and read today than the plane tests they save: with {best['tiles']} x "
+        f"{best['tiles']} the largest room takes "
+        f"{ms(best['shadow_ms'])} ms in place of {ms(rooms[9]['tiling']['shadow_ms'])}, the "
+        "SVBSP tree "
         f"{ms(rooms[9]['svbsp']['shadow_ms'])}.",
     )
 
@@ -141,7 +154,8 @@ def slater_tetrahedra(report):
     made = [r for r in report["slater1992"] if r["scene"].startswith("tetrahedron")]
     yield "\n### Tables 2 and 3: the recursive tetrahedron\n"
     yield (
-        "Polygons put out: those of the BSP and the shadows on them (basic and tiling: overlapping, one for each pair; SVBSP: its fragments). "
+        "Polygons put out: those of the BSP and the shadows on them (basic and tiling: "
+        "overlapping, one for each pair; SVBSP: its fragments). "
         "Ours needs no split in the BSP, because the parts touch in vertices to the bit.\n"
     )
     rows = []
@@ -195,11 +209,15 @@ def slater_tetrahedra(report):
     yield from verdict(
         "Basic and tiling make the same polygons, the SVBSP tree more.",
         all(p[0] == p[1] < p[2] for p in put_out),
-        f"SVBSP over basic: {', '.join(ratio(c[3][2] / c[3][0]) for c in SLATER_TETRAHEDRA)} there, "
+        f"SVBSP over basic: {', '.join(ratio(c[3][2] / c[3][0]) for c in SLATER_TETRAHEDRA)} "
+        "there, "
         f"{', '.join(ratio(p[2] / p[0]) for p in put_out)} here.",
     )
     growth = made[2]["svbsp"]["shadow_ms"] / made[1]["svbsp"]["shadow_ms"]
-    yield f"- From 257 to 1025 polygons the SVBSP tree takes 4.6 times as long there, 6.1 times in Chin and Feiner's paper, {growth:.1f} times here."
+    yield (
+        "- From 257 to 1025 polygons the SVBSP tree takes 4.6 times as long there, 6.1 times in "
+        f"Chin and Feiner's paper, {growth:.1f} times here."
+    )
     yield "\nTiles, and milliseconds of tiling:\n"
     scenes = sorted({r["scene"] for r in report["resolutions"]})
     sizes = sorted({r["tiles"] for r in report["resolutions"]})
@@ -216,8 +234,10 @@ def slater_tetrahedra(report):
 def cs95_builds(report):
     yield "\n### Table 1: building\n"
     yield (
-        "Time, and shadow polygons, as shares of the ordered tree's (S-SVBSP). Shadow polygons here are fragments as they lie in the tree, "
-        "shadowed; beside them, what is left of them when those of one face and one state are reunited.\n"
+        "Time, and shadow polygons, as shares of the ordered tree's (S-SVBSP). Shadow "
+        "polygons here are fragments as they lie in the tree, "
+        "shadowed; beside them, what is left of them when those of one face and one state "
+        "are reunited.\n"
     )
     rows, shares = [], []
     names = ("u_svbsp_after_bsp", "u_svbsp")
@@ -234,7 +254,8 @@ def cs95_builds(report):
                 after,
                 base["faces_after_bsp"],
                 f"{standard[0]} s, {standard[1]}",
-                f"{ms(base['shadow_ms'])} ms, {base['shadowed_fragments']} ({ours['s_svbsp_reunited']['shadowed_fragments']})",
+                f"{ms(base['shadow_ms'])} ms, {base['shadowed_fragments']} "
+                f"({ours['s_svbsp_reunited']['shadowed_fragments']})",
                 *[f"{ratio(t / standard[0])}, {ratio(p / standard[1])}" for t, p in theirs],
                 *[
                     f"{ratio(t)}, {ratio(p)} ({ours[k + '_reunited']['shadowed_fragments']})"
@@ -260,10 +281,12 @@ def cs95_builds(report):
     )
     yield ""
     yield from verdict(
-        "On the scene BSP's polygons the unordered tree takes no more time to build than the ordered one.",
+        "On the scene BSP's polygons the unordered tree takes no more time to build than the "
+        "ordered one.",
         all(t[0] <= 1.05 for t, _ in shares),
         f"Here {', '.join(ratio(t[0]) for t, _ in shares)} of its time.",
-        "The engine's time holds what the ordered tree does without: sorting by solid angle, error bounds, areas and ids of fragments.",
+        "The engine's time holds what the ordered tree does without: sorting by solid angle, "
+        "error bounds, areas and ids of fragments.",
     )
     yield from verdict(
         "It results in fewer shadow polygons.",
@@ -273,7 +296,8 @@ def cs95_builds(report):
     yield from verdict(
         "Without the scene BSP it is faster still, and makes fewer.",
         all(t[1] < t[0] and p[1] < p[0] for t, p in shares),
-        f"Here {', '.join(ratio(t[1]) for t, _ in shares)} of the ordered tree's time and {', '.join(ratio(p[1]) for _, p in shares)} of "
+        f"Here {', '.join(ratio(t[1]) for t, _ in shares)} of the ordered tree's time and "
+        f"{', '.join(ratio(p[1]) for _, p in shares)} of "
         "its shadow polygons.",
     )
 
@@ -281,8 +305,10 @@ def cs95_builds(report):
 def cs95_moves(report, edits):
     yield "\n### Table 2: moving\n"
     yield (
-        "Medians of many moves, as shares of a rebuild of the unordered tree, and of the ordered tree's (through the ratio of both in table 1). "
-        "Ours hand out what changed. An update of ours is compared with a rebuild that is about a thousand times as fast as theirs.\n"
+        "Medians of many moves, as shares of a rebuild of the unordered tree, and of the "
+        "ordered tree's (through the ratio of both in table 1). "
+        "Ours hand out what changed. An update of ours is compared with a rebuild that is "
+        "about a thousand times as fast as theirs.\n"
     )
     builds = {
         r["scene"]: r["u_svbsp_reunited"]["shadow_ms"] / r["s_svbsp"]["shadow_ms"]
@@ -301,7 +327,8 @@ def cs95_moves(report, edits):
                 f"{first} %, {following} %",
                 f"{percent(row['first_share'])}, {percent(row['next_share'])}",
                 f"{first_standard} %, {next_standard} %",
-                f"{percent(row['first_share'] * to_standard)}, {percent(row['next_share'] * to_standard)}",
+                f"{percent(row['first_share'] * to_standard)}, "
+                f"{percent(row['next_share'] * to_standard)}",
                 ms(row["next"]["update_ms"]["median"]),
             )
         )
@@ -327,18 +354,24 @@ def cs95_moves(report, edits):
         "Ours are a smaller share of a rebuild than theirs.",
         below == len(moves),
         f"In {below} of {len(moves)} rows.",
-        "A rebuild here costs little more a face than an update does: cells of the tree are small, there is no scene BSP and no "
-        "allocation; while an update also takes out what was there, keeps location lists, and lists what is gone and new. In large "
-        "scenes the share falls with the size (docs/speed.md): 0.01 % in a city of 10 000 buildings.",
+        "A rebuild here costs little more a face than an update does: cells of the tree are "
+        "small, there is no scene BSP and no "
+        "allocation; while an update also takes out what was there, keeps location lists, "
+        "and lists what is gone and new. In large "
+        "scenes the share falls with the size (docs/speed.md): 0.01 % in a city of 10 000 "
+        "buildings.",
     )
 
 
 def joining(report):
     yield "\n### Section 3.2: joining subtrees\n"
     yield (
-        "Their tree as printed (src/compare/published_tree.hpp), and the move of one object, out and in again: joined by their filter of shadow "
-        "volumes, by the general merge of BSP trees (Naylor, Amanatides, Thibault 1990) that they found \"very slow\", or taken to pieces and "
-        "inserted again. The tree only; the engine's update, beside them, hands out fragments and areas too. First moves: median (mean), ms. "
+        "Their tree as printed (src/compare/published_tree.hpp), and the move of one object, "
+        "out and in again: joined by their filter of shadow "
+        "volumes, by the general merge of BSP trees (Naylor, Amanatides, Thibault 1990) that "
+        "they found \"very slow\", or taken to pieces and "
+        "inserted again. The tree only; the engine's update, beside them, hands out "
+        "fragments and areas too. First moves: median (mean), ms. "
         "Size: of the tree after all moves, of a fresh one's.\n"
     )
     rows, medians, means = [], [], []
@@ -378,12 +411,15 @@ def joining(report):
     yield from verdict(
         "The general merge is slower than their filter.",
         min(medians) > 1,
-        f"Merge over filter, first moves: {ratio(min(medians))} to {ratio(max(medians))} by the median, {ratio(min(means)[0])} ({min(means)[1]}) to "
+        f"Merge over filter, first moves: {ratio(min(medians))} to {ratio(max(medians))} by "
+        f"the median, {ratio(min(means)[0])} ({min(means)[1]}) to "
         f"{ratio(max(means)[0])} ({max(means)[1]}) by the mean.",
     )
     yield (
-        "- Why: it visits fewer nodes, but every step clips and splits a plane that has to be bounded to its region first. Where shadow volumes overlap much, "
-        "the filter must cut them open and send every piece down again, and there the merge is the faster one, at the price of a larger tree. Very "
+        "- Why: it visits fewer nodes, but every step clips and splits a plane that has to "
+        "be bounded to its region first. Where shadow volumes overlap much, "
+        "the filter must cut them open and send every piece down again, and there the merge "
+        "is the faster one, at the price of a larger tree. Very "
         "slow then, it is within a factor of three now."
     )
 
@@ -392,7 +428,9 @@ def joining(report):
 
 
 def exponent(points):
-    """Least squares through the larger half of the points, at least three, as powers of the number of faces."""
+    """Least squares through the larger half of the points, at least three, as powers of the number
+    of faces.
+    """
     points = sorted(points)[-max(3, len(points) // 2) :]
     if len(points) < 3:
         return None
@@ -420,8 +458,10 @@ def families(report):
 def growth_tables(report):
     yield "\n## Growth\n"
     yield (
-        "Everything included: scene BSP (best of eight candidates), order, shadows. Each algorithm goes on to scenes of twice the size (the "
-        "tetrahedron: four times) until one takes over ten seconds. The largest scene done, its time, and the exponent fitted to the larger "
+        "Everything included: scene BSP (best of eight candidates), order, shadows. Each "
+        "algorithm goes on to scenes of twice the size (the "
+        "tetrahedron: four times) until one takes over ten seconds. The largest scene done, "
+        "its time, and the exponent fitted to the larger "
         "half of the sizes.\n"
     )
     yield "![time against the number of faces](growth.svg)\n"
@@ -439,8 +479,10 @@ def growth_tables(report):
         rows.append((name, *cells))
     yield from rows_of(("algorithm", *families(report)), rows)
     yield (
-        "\nThe larger scenes differ in more than size: a city's shadows overlap no more when it grows, the tetrahedron's and the triangles' do, "
-        "and there the fragments themselves grow faster than the faces. Rays sample: 256 a face leave a mean error (docs/accuracy.md); Clipper "
+        "\nThe larger scenes differ in more than size: a city's shadows overlap no more when "
+        "it grows, the tetrahedron's and the triangles' do, "
+        "and there the fragments themselves grow faster than the faces. Rays sample: 256 a "
+        "face leave a mean error (docs/accuracy.md); Clipper "
         "rounds to 2^-30 of each face, and gives areas and outlines but no convex fragments."
     )
 
@@ -470,7 +512,10 @@ def panel(report, family, left, y, first):
         yield line(left, y(value), right, y(value), GRID, 1 if is_major else 0.4)
         if is_major and first:
             yield text(left - 8, y(value) + 4, time_text(value), "end", 12, SOFT)
-    yield f'<rect x="{left}" y="{TOP}" width="{PANEL}" height="{HEIGHT - TOP - BOTTOM}" fill="none" stroke="{SOFT}"/>'
+    yield (
+        f'<rect x="{left}" y="{TOP}" width="{PANEL}" height="{HEIGHT - TOP - BOTTOM}" '
+        f'fill="none" stroke="{SOFT}"/>'
+    )
     yield text((left + right) / 2, TOP - 8, family, "middle", 14, more=' font-weight="bold"')
     for key, _, colour, shape in GROWING:
         places = [(x(n), y(t)) for n, t in sorted(points_of(report, family, key))]
@@ -483,7 +528,8 @@ def chart(report):
     times = [total(r) for r in report["growth"]]
     y = Axis(*decades(times), HEIGHT - BOTTOM, TOP)
     yield (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif">'
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" '
+        f'viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif">'
     )
     yield f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>'
     yield text(
@@ -505,10 +551,15 @@ def chart(report):
 def page(report, edits, joins, image_space):
     yield "# The papers' tables, made again\n"
     yield (
-        "Written by bench/papers_report.py from bench/baseline/papers.json (`shadowcut_bench_papers`) and bench/baseline/edits.json "
-        "(`shadowcut_bench_edits`) and bench/baseline/joining.json (`shadowcut_bench_joining`). Their machines were a SPARCstation 1+ and 2, so times compare only as ratios between algorithms; "
-        "polygon counts compare as counts. The rooms are ours, with the papers' numbers of polygons and kinds of furniture; the tetrahedron "
-        "is a public definition. All algorithms find the same lit area of every face: tests/rivals_test.cpp holds each against the exact "
+        "Written by bench/papers_report.py from bench/baseline/papers.json "
+        "(`shadowcut_bench_papers`) and bench/baseline/edits.json "
+        "(`shadowcut_bench_edits`) and bench/baseline/joining.json "
+        "(`shadowcut_bench_joining`). Their machines were a SPARCstation 1+ and 2, so times "
+        "compare only as ratios between algorithms; "
+        "polygon counts compare as counts. The rooms are ours, with the papers' numbers of "
+        "polygons and kinds of furniture; the tetrahedron "
+        "is a public definition. All algorithms find the same lit area of every face: "
+        "tests/system/published_algorithms_test.cpp holds each against the exact "
         "oracle. How each departs from its paper stands at the top of its file in src/compare.\n"
     )
     yield "## Slater 1992: basic, tiling, SVBSP\n"

@@ -1,4 +1,4 @@
-"""Pieces of SVG charts, shared by the scripts beside it: logarithmic axes, lines, marks, numbers as text."""
+"""Pieces of SVG charts for the scripts beside this one: axes, lines, marks, numbers as text."""
 import math
 
 INK, GRID, SOFT = "#222", "#dcdcdc", "#666"
@@ -36,11 +36,17 @@ def time_text(ms):
 
 
 def text(x, y, words, anchor="start", size=13, colour=INK, more=""):
-    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" font-size="{size}" fill="{colour}"{more}>{words}</text>'
+    return (
+        f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" font-size="{size}" '
+        f'fill="{colour}"{more}>{words}</text>'
+    )
 
 
 def line(x1, y1, x2, y2, colour, width=1.0, more=""):
-    return f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{colour}" stroke-width="{width}"{more}/>'
+    return (
+        f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{colour}" '
+        f'stroke-width="{width}"{more}/>'
+    )
 
 
 def path(points, colour, dashes=""):

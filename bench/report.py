@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
-"""Writes docs/speed.md's table from a run of shadowcut_bench: bench/report.py bench/baseline/cast.json > table.md
+"""Writes docs/speed.md's table from a run of shadowcut_bench:
 
-A row a scene: the minimum over the repetitions, on one and on two threads. Growth is the exponent between a scene and the next smaller one of its kind.
+    bench/report.py bench/baseline/cast.json > table.md
+
+A row a scene: the minimum over the repetitions, on one and on two threads. Growth is the exponent
+between a scene and the next smaller one of its kind.
 """
 import json
 import math
@@ -17,7 +20,8 @@ for b in json.load(open(sys.argv[1]))["benchmarks"]:
         rows[name][threads] = b
 
 print(
-    "| scene | faces | build ms | emit ms | ns a face | two threads, ms | nodes | lit + shadowed fragments | MB | growth |"
+    "| scene | faces | build ms | emit ms | ns a face | two threads, ms | nodes | lit + "
+    "shadowed fragments | MB | growth |"
 )
 print("|---|---|---|---|---|---|---|---|---|---|")
 last = {}
@@ -32,6 +36,8 @@ for name, r in rows.items():
         growth = f"{math.log(total / last[kind][1]) / math.log(one['faces'] / last[kind][0]):.2f}"
     last[kind] = (one["faces"], total)
     print(
-        f"| {name} | {one['faces']:.0f} | {one['build_ms']:.2f} | {one['emit_ms']:.2f} | {one['ns_per_face']:.0f} | {two['build_ms'] + two['emit_ms']:.2f} "
-        f"| {one['nodes']:.0f} | {one['lit']:.0f} + {one['shadowed']:.0f} | {one['bytes'] / 1e6:.1f} | {growth} |"
+        f"| {name} | {one['faces']:.0f} | {one['build_ms']:.2f} | {one['emit_ms']:.2f} | "
+        f"{one['ns_per_face']:.0f} | {two['build_ms'] + two['emit_ms']:.2f} "
+        f"| {one['nodes']:.0f} | {one['lit']:.0f} + {one['shadowed']:.0f} | "
+        f"{one['bytes'] / 1e6:.1f} | {growth} |"
     )

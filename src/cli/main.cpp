@@ -95,15 +95,13 @@ void add_picture(CLI::App& command, Arguments& a, bool required) {
 template <typename Arguments>
 void add_casting(CLI::App& command, Arguments& a) {
   add_lit_scene(command, a);
-  add_choice<Kernel>(
-      command, "--kernel", a.options.kernel, kernels(),
-      "Arithmetic: fast (double, with error bounds), exact, or single (float) (fast)");
+  add_choice<Kernel>(command, "--kernel", a.options.kernel, kernels(),
+                     "Arithmetic: fast (double, with error bounds), or exact (fast)");
   command
       .add_option_function<std::string>(
           "--min-feature",
           [&a](const std::string& text) { a.options.min_feature = parse_min_feature(text); },
-          "Smallest part of a face that a cut leaves: an area, or a solid angle such as 1e-6sr; 0: "
-          "all are kept (0)")
+          "Fragments below this are left out: an area, or a solid angle such as 1e-6sr (0)")
       ->type_name("SIZE");
   command.add_option("--threads", a.options.threads, "0: one for each processor")
       ->check(CLI::Range(0, 4096));

@@ -153,8 +153,7 @@ Vec3 parse_axis(const std::string& name) {
 }
 
 const std::map<std::string, Kernel>& kernels() {
-  static const std::map<std::string, Kernel> all{
-      {"fast", Kernel::fast}, {"exact", Kernel::exact}, {"single", Kernel::single}};
+  static const std::map<std::string, Kernel> all{{"fast", Kernel::fast}, {"exact", Kernel::exact}};
   return all;
 }
 

@@ -1,4 +1,5 @@
-/* Casts one shadow with the installed C library: a unit square halfway up to the light takes four from the ground. */
+/* Casts one shadow with the installed C library: a unit square halfway up to the light takes four
+ * from the ground. */
 #include <shadowcut/c.h>
 #include <stdio.h>
 

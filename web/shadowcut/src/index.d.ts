@@ -217,7 +217,7 @@ export interface Scene extends Disposable {
 // ---- Shadows
 
 export interface Options {
-  kernel?: 'fast' | 'exact' | 'single';
+  kernel?: 'fast' | 'exact';
   form?: 'pieces' | 'merged' | 'conforming';
   order?: 'solidAngle' | 'asGiven' | 'random';
   seed?: number | bigint;

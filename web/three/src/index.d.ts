@@ -3,7 +3,7 @@ import type { Light, LineBasicMaterial, Mesh, Object3D } from 'three';
 import type { Engine, Scene, Shadowcut } from 'shadowcut';
 
 export interface SceneShadowsOptions {
-  kernel?: 'fast' | 'exact' | 'single';
+  kernel?: 'fast' | 'exact';
   form?: 'pieces' | 'merged' | 'conforming';
   /** As the engine's; otherwise 32, with which the slowest updates take about half as long as with the engine's own (128). */
   facetsPerCell?: number;

@@ -297,7 +297,6 @@ class App {
       Home: () => this.home(),
       Digit1: () => this.setKernel('fast'),
       Digit2: () => this.setKernel('exact'),
-      Digit3: () => this.setKernel('single'),
       Equal: () => this.setZoom(this.compare.zoom * 2 ** 0.25),
       Minus: () => this.setZoom(this.compare.zoom / 2 ** 0.25),
       NumpadAdd: () => this.setZoom(this.compare.zoom * 2 ** 0.25),

@@ -93,7 +93,7 @@ test('as the page is by itself: the same lit area, within 1e-12 of it, kernel ex
   await context.close();
 });
 
-for (const kernel of ['exact', 'fast', 'single']) {
+for (const kernel of ['exact', 'fast']) {
   test(`a desk with all that is on it, and the lamp: kernel ${kernel}`, async (t) => {
     const { page, context, complaints } = await open(on.browser, on.server.address);
     await page.selectOption('#kernel', kernel);

@@ -47,7 +47,6 @@ test('settings, by mouse and by keys', async () => {
   const { lit, fragments } = await frame(page);
   for (const [key, kernel] of [
     ['2', 'exact'],
-    ['3', 'single'],
     ['1', 'fast'],
   ]) {
     const now = await press(page, key);
