@@ -1,6 +1,6 @@
 // Faces that were meant to lie in one plane: which of them get one, that motions change nothing of
 // it.
-#include "coplanar.hpp"
+#include "scene/coplanar_groups.hpp"
 
 #include <gtest/gtest.h>
 

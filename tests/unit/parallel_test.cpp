@@ -1,7 +1,7 @@
 // Loops and threads of src/core, and what ThreadSanitizer sees of them: a race between two bodies,
 // and nothing where there is none.
 
-#include "parallel.hpp"
+#include "support/parallel.hpp"
 
 #include <gtest/gtest.h>
 

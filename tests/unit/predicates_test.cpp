@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "exact.hpp"
+#include "predicates/exact_predicates.hpp"
 #include "scenes.hpp"
 #include "settings.hpp"
 
@@ -62,8 +62,8 @@ struct Case {
     for (const Vec3& p : points) box.extend(p);
     return LightSpace(light, box);
   }
-  ExactLight exact() const {
-    ExactLight out(light, space());
+  ExactPredicates exact() const {
+    ExactPredicates out(light, space());
     for (const Vec3& p : points) out.note_position(p);
     return out;
   }
@@ -112,7 +112,7 @@ void for_cases(double scale, const Body& body) {
 }
 
 void check_volumes(const Case& c) {
-  const ExactLight exact = c.exact();
+  const ExactPredicates exact = c.exact();
   const int handed = c.handed();
   for (const Vec3& x : c.points) {
     EXPECT_EQ(exact.side(edge(c.points[0], c.points[1]), at(x)),
@@ -128,7 +128,7 @@ TEST(Predicates, Law1SideIsTheSignOfTheVolume) {
 
 TEST(Predicates, Law2ZeroAtTheEndsAndAtOnesOwnCuts) {
   for_cases(1, [](const Case& c, Random&) {
-    const ExactLight exact = c.exact();
+    const ExactPredicates exact = c.exact();
     const LightLine l = edge(c.points[0], c.points[1]), m = edge(c.points[2], c.points[3]);
     EXPECT_EQ(exact.side(l, at(c.points[0])), 0);
     EXPECT_EQ(exact.side(l, at(c.points[1])), 0);
@@ -139,7 +139,7 @@ TEST(Predicates, Law2ZeroAtTheEndsAndAtOnesOwnCuts) {
 
 TEST(Predicates, Law3TurningAnEdgeRound) {
   for_cases(1, [](const Case& c, Random&) {
-    const ExactLight exact = c.exact();
+    const ExactPredicates exact = c.exact();
     for (const Vec3& x : c.points)
       EXPECT_EQ(exact.side(edge(c.points[0], c.points[1]), at(x)),
                 -exact.side(edge(c.points[1], c.points[0]), at(x)));
@@ -148,11 +148,11 @@ TEST(Predicates, Law3TurningAnEdgeRound) {
 
 TEST(Predicates, Law4NearerIsTheOtherWayRoundForTheOther) {
   for_cases(1, [](const Case& c, Random&) {
-    ExactLight exact = c.exact();
+    ExactPredicates exact = c.exact();
     const Plane p = c.plane(0, 1, 2), q = c.plane(3, 4, 5);
     exact.note_normal(p.exact_normal);
     exact.note_normal(q.exact_normal);
-    if (exact.turned(p) == 0 || exact.turned(q) == 0) return;
+    if (exact.orientation(p) == 0 || exact.orientation(q) == 0) return;
     for (const Vec3& x : c.points) {
       const int sign = exact.nearer(p, q, at(x));
       EXPECT_EQ(sign, -exact.nearer(q, p, at(x)));
@@ -169,7 +169,7 @@ TEST(Predicates, Law4NearerIsTheOtherWayRoundForTheOther) {
 
 TEST(Predicates, Law5PowersOfTwoAndExactMovesChangeNothing) {
   for_cases(1, [](const Case& c, Random& random) {
-    const ExactLight exact = c.exact();
+    const ExactPredicates exact = c.exact();
     Case larger = c, moved = c;
     const double factor = std::ldexp(1.0, static_cast<int>(random.below(200)) - 100);
     for (Vec3& p : larger.points) p *= factor;
@@ -203,7 +203,7 @@ TEST(Predicates, Law6AtAnyMagnitude) {
 
 void check_point(const Case& c) {
   if (c.light.kind != Light::Kind::point) return;
-  ExactLight exact = c.exact();
+  ExactPredicates exact = c.exact();
   const Plane p = c.plane(0, 2, 3);
   exact.note_normal(p.exact_normal);
   const LightLine l = edge(c.points[0], c.points[1]), m = edge(c.points[2], c.points[4]);
