@@ -274,6 +274,7 @@ void LightState::finish_update(LightChanges& changes) {
     fragments_.list_differences(changes);
   }
   areas_.list_changes(changes);
+  SHADOWCUT_ASSERT(validate_touched().empty());
 }
 
 // Fragments that do not know their places are all emitted again.

@@ -35,6 +35,8 @@ class LightState {
   std::vector<double> error_bound() const;
   // Every invariant; empty when all hold.
   std::string validate() const;
+  // The invariants that cost no arithmetic, of the cells that this update has touched.
+  std::string validate_touched() const;
 
   // An update is one call of begin_update, any number of edits, and finish_update, which lists what
   // has changed.

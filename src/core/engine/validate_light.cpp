@@ -38,6 +38,15 @@ std::string check_areas(const LightView& light) {
 
 }  // namespace
 
+std::string LightState::validate_touched() const {
+  for (const CellId c : touched_) {
+    std::string problem = shadowcut::validate(grid_[c], nullptr);
+    if (problem.empty()) problem = fragments_.validate(c);
+    if (!problem.empty()) return problem;
+  }
+  return {};
+}
+
 std::string LightState::validate() const {
   for (std::size_t c = 0; c < grid_.size(); ++c) {
     std::string problem = shadowcut::validate(grid_[CellId(c)], &space_);
