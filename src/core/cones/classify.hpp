@@ -30,6 +30,7 @@ class CornerSides {
   // signs of more than 64 corners, and must outlive this. Writes behind the last corner of c.
   CornerSides(Cone& c, const double n[3], double bound, std::vector<std::int8_t>& spill)
       : count_(c.count) {
+    SHADOWCUT_ASSERT(c.count >= 1 && c.count < c.capacity && bound >= 0);
     if (count_ > 64) {
       test_large(c, n, bound, spill);
       return;
@@ -77,6 +78,7 @@ class CornerSides {
     for (std::uint32_t i = 0; i < count_; ++i) {
       if ((*this)[i] != 0) continue;
       const int s = sign(i);
+      SHADOWCUT_ASSERT(s >= -1 && s <= 1);
       if (large_) {
         large_[i] = static_cast<std::int8_t>(s);
         positive_ |= s > 0, negative_ |= s < 0;
@@ -178,6 +180,7 @@ struct PlaneDifference {
   PlaneDifference(const PlaneRay& own, const double q[3], float q_error)
       : d{own.q[0] - q[0], own.q[1] - q[1], own.q[2] - q[2]} {
     size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
+    SHADOWCUT_ASSERT(own.error >= 0 && q_error >= 0);
     error =
         static_cast<double>(own.error) + static_cast<double>(q_error) + 2 * unit_roundoff * size;
   }

@@ -62,6 +62,7 @@ class CrossingCorners {
   // sides of a cut get the same numbers.
   ConeCorner at(const SideChange& change, bool downward) {
     ConeCorner corner = cone_.corners()[change.corner];
+    SHADOWCUT_ASSERT(change.corner < cone_.count);
     if (change.on) return corner;
     const Line& edge = predicates_.line(corner.edge.line());
     corner.vertex = none;
@@ -143,6 +144,7 @@ inline void split(const Cone& cone, const CornerSides& sides, const DividingLine
                   bool bounded, const CellPredicates& predicates, ConePool& pool, Cone*& positive,
                   Cone*& negative) {
   const std::uint32_t n = cone.count;
+  SHADOWCUT_ASSERT(n >= 3 && line.id.valid());
   const auto next = [n](std::uint32_t i) { return i + 1 == n ? 0 : i + 1; };
   SideChange down{}, up{};
   sides.changes(down, up);
@@ -171,6 +173,7 @@ inline void split(const Cone& cone, const CornerSides& sides, const DividingLine
   if (bounded) inside.set_bounded(), outside.set_bounded();
   positive = part(up, p_up, down, p_down, inside);
   negative = part(down, p_down, up, p_up, outside);
+  SHADOWCUT_ASSERT(positive->count + negative->count <= n + 4);
 }
 
 // Whether the inside of an edge and one side of a dividing line (0 positive, 1 negative) are the
@@ -207,6 +210,7 @@ void mark_bounded_edges(Cone& cone, const CornerSides& sides, const DividingLine
 inline Cone* clip(Cone* cone, const DividingLine& line, std::uint32_t side,
                   const CellPredicates& predicates, Workspace& w) {
   SignCounts counts;
+  SHADOWCUT_ASSERT(cone && side <= 1);
   const CornerSides sides = sides_of_line(*cone, line, predicates, w.spill, counts);
   if (sides.positive() && sides.negative()) {
     Cone* parts[2];

@@ -31,6 +31,8 @@ class ConvexMerger {
              LineId across, std::vector<ConeCorner>& out) const {
     const auto pn = static_cast<std::uint32_t>(p.size()), qn = static_cast<std::uint32_t>(q.size());
     std::uint32_t i = 0, j = 0;
+    SHADOWCUT_ASSERT(p.size() >= 3 && q.size() >= 3 && out.data() != p.data() &&
+                     out.data() != q.data());
     if (!find_common_edge(p, q, across, i, j)) return false;
     if (!same_ray(p[i], at(q, j + 1)) || !same_ray(at(p, i + 1), q[j])) return false;
     // The union runs round p from behind that edge, then round q.
@@ -56,6 +58,7 @@ class ConvexMerger {
       out.back().edge = from_end.edge;
     }
     for (std::uint32_t k = 2; k < qn; ++k) out.push_back(at(q, j + k));
+    SHADOWCUT_ASSERT(out.size() <= p.size() + q.size() - 2);
     return out.size() >= 3;
   }
 

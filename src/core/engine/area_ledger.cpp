@@ -95,12 +95,14 @@ void AreaLedger::grow(std::size_t faces) {
 }
 
 void AreaLedger::start_face(std::uint32_t face) {
+  SHADOWCUT_ASSERT(face < areas_.size() && face < units_.size());
   areas_[face] = whole_area(face);
   set_dropped(areas_[face]);
   units_[face] = {unit_for(areas_[face].area), areas_[face].facing == Facing::toward};
 }
 
 void AreaLedger::remove_face(std::uint32_t face) {
+  SHADOWCUT_ASSERT(units_[face].lit == 0 && units_[face].shadowed == 0);
   areas_[face] = {};
   units_[face] = {};
 }
@@ -108,6 +110,7 @@ void AreaLedger::remove_face(std::uint32_t face) {
 void AreaLedger::absorb(const FragmentStore::AreaChange& change) {
   note(change.face);
   Units& u = units_[change.face];
+  SHADOWCUT_ASSERT(change.area >= 0 || std::isnan(change.area));
   constexpr double most = 0x1p62;
   const auto units = static_cast<std::int64_t>(std::min(change.area / u.unit, most));
   (change.lit ? u.lit : u.shadowed) += change.added ? units : -units;

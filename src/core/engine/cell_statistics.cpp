@@ -11,6 +11,7 @@ void CellStatistics::start() {
 }
 
 void CellStatistics::update(CellId cell) {
+  SHADOWCUT_ASSERT(cell.value() < sums_.size());
   Sums& sums = sums_[cell.value()];
   add(sums, false);
   sums = sums_of(cell);

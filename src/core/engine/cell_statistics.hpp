@@ -23,8 +23,8 @@ class CellStatistics {
  private:
   struct Sums {
     std::uint64_t nodes = 0, pp_nodes = 0, pieces = 0, crossing_lines = 0, predicates = 0, on = 0,
-                  by_identity = 0, by_exact = 0, marked = 0, joined = 0, deferred = 0,
-                  rebuilds = 0, bytes = 0;
+                  by_identity = 0, by_exact = 0, marked = 0, joined = 0, deferred = 0, rebuilds = 0,
+                  bytes = 0;
   };
   Sums sums_of(CellId cell) const;
   void add(const Sums& sums, bool more);

@@ -49,6 +49,7 @@ void LightState::edit_cells(std::span<const CellId> cells, std::size_t work, con
 void LightState::finish_edit(std::span<const CellId> cells) {
   for (const CellId c : cells) {
     EditLog& log = grid_[c].log;
+    SHADOWCUT_ASSERT(touched_in_[c.value()] == update_);
     for (const LineId line : log.lines_kept) tables_.lines.count_plane(line, true);
     for (const LineId line : log.lines_released) tables_.lines.count_plane(line, false);
     log.clear();
@@ -79,6 +80,7 @@ void LightState::remove_objects(std::span<const std::uint32_t> objects) {
       cells.push_back(l.cell), begins.push_back(entries.size());
     entries.push_back(l.entry);
   }
+  SHADOWCUT_ASSERT(std::is_sorted(cells.begin(), cells.end()));
   begins.push_back(entries.size());
   edit_cells(cells, entries.size(), [&](CellId c, std::size_t i) {
     SvbspTree& tree = grid_[c];
@@ -218,9 +220,9 @@ void LightState::insert_into_cells(std::span<const FacetId> order) {
   edit_cells(batch_, parts.list.size(), [&](CellId c, std::size_t) {
     Workspace& w = workspaces_.local();
     SvbspTree& tree = grid_[c];
-    auto part = std::lower_bound(
-        parts.list.begin(), parts.list.end(), c,
-        [](const FacetParts::Part& p, CellId cell) { return p.cell < cell; });
+    auto part =
+        std::lower_bound(parts.list.begin(), parts.list.end(), c,
+                         [](const FacetParts::Part& p, CellId cell) { return p.cell < cell; });
     for (; part != parts.list.end() && part->cell == c; ++part) {
       const std::uint32_t object = tables_.object_of(part->facet);
       policy_.note_mover(c, object, update_);
@@ -257,6 +259,7 @@ void LightState::rebuild_cell(CellId c) {
     const std::vector<FacetId> facets = order_.of_objects({&o, 1});
     order.insert(order.end(), facets.begin(), facets.end());
   }
+  SHADOWCUT_ASSERT(order.size() >= tree.pieces.entry_count());
   grid_.rebuild(c, order, workspaces_.local());
   fragments_.restart(c);
   policy_.note_rebuilt(c, tree);

@@ -152,8 +152,7 @@ void LightState::sum_up() {
   if (fragments_.is_incremental()) {
     areas_.start();
     const auto absorb = [this](const FragmentStore::AreaChange& c) { areas_.absorb(c); };
-    for (std::size_t c = 0; c < grid_.size(); ++c)
-      fragments_.take_area_changes(CellId(c), absorb);
+    for (std::size_t c = 0; c < grid_.size(); ++c) fragments_.take_area_changes(CellId(c), absorb);
     for (const Fragment& f : shadows_.blocks.back().fragments)
       absorb({f.face, f.lit, true, f.area});
     areas_.total_up(rebuilt_);

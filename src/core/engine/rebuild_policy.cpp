@@ -5,10 +5,10 @@
 namespace shadowcut {
 namespace {
 
-constexpr double growth_allowed = 1.1;            // of a cell, by edits
-constexpr double growth_with_backoff = 1.75;      // while it waits
-constexpr std::uint64_t edits_per_entry = 4;      // allowed when several objects move
-constexpr std::size_t movers_remembered = 4;      // by a cell
+constexpr double growth_allowed = 1.1;        // of a cell, by edits
+constexpr double growth_with_backoff = 1.75;  // while it waits
+constexpr std::uint64_t edits_per_entry = 4;  // allowed when several objects move
+constexpr std::size_t movers_remembered = 4;  // by a cell
 constexpr std::uint32_t largest_backoff = 6;
 
 // A large face that comes last is cut by everything that was there before it, and one that goes
@@ -62,6 +62,7 @@ void RebuildPolicy::note_insertion(CellId id, const SvbspTree& tree, EntryId ent
 }
 
 bool RebuildPolicy::should_rebuild(CellId id, const SvbspTree& tree) const {
+  SHADOWCUT_ASSERT(id.value() < cells_.size());
   const Cell& cell = cells_[id.value()];
   const std::size_t entries = tree.pieces.entry_count();
   const auto exceeds = [&](double growth) {

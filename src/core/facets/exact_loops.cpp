@@ -112,6 +112,7 @@ void FacetVisibility::check_loops() {
 
 void FacetVisibility::check_loop(FacetId facet) {
   const std::uint32_t i = facet.value();
+  SHADOWCUT_ASSERT(tables_.is_exact() && i < loops_.size());
   if (!enters_[i]) return;
   loops_[i] = loop_is_convex;
   Workspace& w = workspaces_.local();
@@ -147,6 +148,7 @@ void FacetVisibility::check_loop(FacetId facet) {
 // Takes the cone. False: it crosses itself.
 bool FacetVisibility::cut_convex(Cone* cone, Workspace& w, std::vector<Cone*>& parts) const {
   const CellPredicates l(tables_, {});
+  SHADOWCUT_ASSERT(tables_.is_exact() && parts.empty());
   SignCounts counts;
   drop_null_edges(*cone, l, *tables_.exact);
   std::vector<Cone*> pending{cone};

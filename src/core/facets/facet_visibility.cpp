@@ -24,6 +24,7 @@ std::size_t FacetVisibility::entered() const {
 
 void FacetVisibility::decide(FacetId id, bool in_range, bool light_inside, const Light& light) {
   const std::uint32_t i = id.value();
+  SHADOWCUT_ASSERT(i < facing_.size() && tables_.facet(id).corner_count >= 3);
   const Facet& facet = tables_.facet(id);
   const Object& object = scene_.objects()[tables_.object_of(id)];
   const Plane& plane = scene_.planes()[facet.plane];
@@ -56,6 +57,7 @@ void FacetVisibility::decide(FacetId id, bool in_range, bool light_inside, const
   if (orientation == Orientation::edge_on || (!object.casts && !object.receives)) return;
   const bool turned_off = orientation == Orientation::away && object.sides == Sides::closed;
   if (turned_off && !(light_inside && object.casts)) return;
+  SHADOWCUT_ASSERT(orientation != Orientation::edge_on);
   enters_[i] = 1;
   blocks_only_[i] = turned_off;
   if (!turned_off && object.receives) facing_[i] = Facing::toward;
@@ -97,6 +99,7 @@ void FacetVisibility::decide(std::uint32_t o, const Light& light) {
 
 void FacetVisibility::leave(std::uint32_t o) {
   const Object& object = scene_.objects()[o];
+  SHADOWCUT_ASSERT(object.first_facet + object.facet_count <= enters_.size());
   std::fill_n(enters_.begin() + object.first_facet, object.facet_count, std::uint8_t{0});
 }
 

@@ -40,6 +40,7 @@ std::vector<FacetId> InsertionOrder::by_object(std::span<const std::uint32_t> ob
   for (const std::uint32_t o : objects) {
     const Object& object = scene_.objects()[o];
     double sum = 0;
+    SHADOWCUT_ASSERT(object.first_facet + object.facet_count <= scene_.facets().size());
     for (std::uint32_t i = object.first_facet; i < object.first_facet + object.facet_count; ++i)
       sum += visibility_.enters(FacetId(i)) ? size(FacetId(i)) : 0;
     const bool moves_last = object.moves && order_ == Order::solid_angle;
@@ -85,6 +86,7 @@ std::vector<FacetId> InsertionOrder::of_scene() const {
 }
 
 std::vector<Vec3> InsertionOrder::middle_rays(std::span<const FacetId> facets) const {
+  SHADOWCUT_ASSERT(tables_.rays.size() >= scene_.vertices().size());
   std::vector<Vec3> rays(facets.size());
   parallel_for(rays.size(), 1024, [&](std::size_t i) {
     Vec3 sum = Vec3::Zero();

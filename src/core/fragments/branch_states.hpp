@@ -50,6 +50,7 @@ class BranchStates {
   }
   BranchState joint(const SvbspTree& tree, const Scene& scene, NodeId sp) const {
     const Node& node = tree.node(sp);
+    SHADOWCUT_ASSERT(tree.branch(tree.links(sp).parent).is_sp());
     const BranchState a = of(tree, node.child[0]), b = of(tree, node.child[1]);
     return is_alike(scene, a, b) ? a : BranchState::mixed();
   }

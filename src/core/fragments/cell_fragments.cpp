@@ -31,6 +31,7 @@ void CellFragments::grow(const SvbspTree& tree) {
 void CellFragments::begin(Block& block, std::uint32_t update) {
   block_ = &block;
   if (update_ == update) return;
+  SHADOWCUT_ASSERT(update >= update_);
   update_ = update;
   gone_.clear();
   born_.clear();
@@ -116,6 +117,7 @@ void CellFragments::emit_changes(const SvbspTree& tree, const EmissionContext& c
   }
   for (const PieceId p : added_pieces_) emitter.emit_piece(p);
   added_pieces_.clear();
+  SHADOWCUT_ASSERT(changed_.empty() && records_.size() == block_->fragments.size());
 }
 
 // All states first: whether a place is uniform is asked of every branch below. Where a state stays,
@@ -158,6 +160,7 @@ std::vector<NodeId> CellFragments::mark_ways(const SvbspTree& tree) {
 
 void CellFragments::drop_below(const SvbspTree& tree, Place top) {
   pending_.assign(1, top);
+  SHADOWCUT_ASSERT(!top.is_root());
   while (!pending_.empty()) {
     const Place place = pending_.back();
     pending_.pop_back();
@@ -175,6 +178,8 @@ void CellFragments::drop_below(const SvbspTree& tree, Place top) {
 // Lists of fragments of a piece and at a place, doubly linked through the records.
 
 void CellFragments::link(std::uint32_t index, const FragmentId& id) {
+  SHADOWCUT_ASSERT(index < records_.size() && id.cell == cell_.value() &&
+                   id.piece < of_piece_.size());
   Record& r = records_[index];
   r.of_piece_next = of_piece_[id.piece];
   if (r.of_piece_next != none) records_[r.of_piece_next].of_piece_previous = index;
@@ -232,6 +237,7 @@ void CellFragments::add(const SvbspTree& tree, PieceId piece, std::uint32_t plac
   const FacetId facet = tree.pieces[piece].facet;
   const std::uint32_t face = context.tables.face_of(facet).value();
   const std::uint32_t first = free_corners_.take(block_->corners, count);
+  if (context.constructions) block_->constructions.resize(block_->corners.size());
   const std::span<Vec3> corners = std::span(block_->corners).subspan(first, count);
   const double area =
       place_polygon(context, tree.predicates(), facet, cone, w.points, corners.data());

@@ -75,6 +75,7 @@ class FragmentEmitter {
   // The fragments of a piece in front of its PP-node. `ways`: of these only the fragments at
   // places below those marked as changed altogether, reached by marked ways; null: all fragments.
   void emit_in_front(PieceId id, const MarkedWays* ways) {
+    SHADOWCUT_ASSERT(!ways || ways->size() == 2 * tree_.nodes().size());
     const Piece& piece = tree_.pieces[id];
     if (!emits(context_, piece)) return;
     Visitor visitor{{}, *this, id, ways};

@@ -143,6 +143,7 @@ class CellErrorBound {
     }
     if (certain) return 0;
     const double share = 4 * least / most;
+    SHADOWCUT_ASSERT(bound >= 0 || std::isnan(bound));
     return most > 0 && share < 1 ? share : 1;  // 1 too where it is no number
   }
 
@@ -251,8 +252,8 @@ class CellErrorBound {
     Cone* cone = w_.pool.copy(from);
     for (const ConeCorner& c : tree_.pieces.corners(piece)) {
       const Line& line = predicates_.line(c.edge.line());
-      cone = clip(cone, {line.n, line.error, c.edge.line()}, c.edge.negative() ? 1 : 0,
-                  predicates_, w_);
+      cone = clip(cone, {line.n, line.error, c.edge.line()}, c.edge.negative() ? 1 : 0, predicates_,
+                  w_);
       if (!cone) return;
     }
     if (const double share = shares_against(*cone, piece.facet, -1).other; share > 0)

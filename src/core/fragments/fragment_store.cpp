@@ -60,6 +60,7 @@ void FragmentStore::emit_static(const std::function<void(double)>& report) {
 Fragment FragmentStore::emit_away(FacetId id, std::uint32_t first_corner, Block& block) const {
   const Facet& facet = context_.tables.facet(id);
   std::uint32_t at = first_corner;
+  SHADOWCUT_ASSERT(first_corner + facet.corner_count <= block.corners.size());
   for (const Corner& c : context_.scene.corners_of(facet)) {
     block.corners[at] = context_.scene.vertices()[c.vertex];
     if (context_.constructions) block.constructions[at] = {{}, {}, c.vertex};
@@ -113,6 +114,7 @@ bool FragmentStore::remove_away(FacetId facet, std::uint32_t update, AreaChange&
   if (away_born_[facet.value()] != update) gone_.push_back(f.id);
   away_corners_.give_back(f.first_corner, f.corner_count);
   change = {f.face, false, false, f.area};
+  SHADOWCUT_ASSERT(index < block.fragments.size() && f.facet == facet.value());
   block.fragments[index] = block.fragments.back();
   away_[block.fragments[index].facet] = index;
   block.fragments.pop_back();
@@ -178,9 +180,8 @@ std::vector<Located> sorted_by_id(const std::vector<Block>& blocks) {
   for (const Block& block : blocks) {
     for (const Fragment& f : block.fragments) all.push_back({&block, &f});
   }
-  std::sort(all.begin(), all.end(), [](const Located& a, const Located& b) {
-    return a.fragment->id < b.fragment->id;
-  });
+  std::sort(all.begin(), all.end(),
+            [](const Located& a, const Located& b) { return a.fragment->id < b.fragment->id; });
   return all;
 }
 

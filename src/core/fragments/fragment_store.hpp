@@ -46,8 +46,7 @@ class FragmentStore {
     if (incremental_) cells_[cell.value()].apply(grid_[cell].log);
   }
   void emit_changes(CellId cell) {
-    if (incremental_)
-      cells_[cell.value()].emit_changes(grid_[cell], context_, workspaces_.local());
+    if (incremental_) cells_[cell.value()].emit_changes(grid_[cell], context_, workspaces_.local());
   }
   void restart(CellId cell) {
     if (incremental_) cells_[cell.value()].restart(grid_[cell], context_, workspaces_.local());

@@ -24,8 +24,7 @@ double OutlineError::most_area(FacetId facet) const {
     perimeter += (next - x).norm(), extent = std::max(extent, x.cwiseAbs().maxCoeff());
   }
   const bool in_light = context_.visibility.facing(facet) == Facing::toward;
-  const double area =
-      std::max(sum.area(plane.normal), area_of_facet(context_, facet, in_light));
+  const double area = std::max(sum.area(plane.normal), area_of_facet(context_, facet, in_light));
   return area * (1 + 64 * unit_roundoff) +
          perimeter * (4 * unit_roundoff * extent + 8 * unit_roundoff * perimeter);
 }
@@ -47,8 +46,7 @@ double OutlineError::thickness_of(FacetId facet) const {
     return context_.scene.vertices()[corners[k % corners.size()].vertex];
   };
   std::vector<Vec3> rays;
-  for (std::size_t k = 0; k < corners.size(); ++k)
-    rays.emplace_back(context_.space.ray(at(k)).r);
+  for (std::size_t k = 0; k < corners.size(); ++k) rays.emplace_back(context_.space.ray(at(k)).r);
   double thickness = 0;
   Vec3 axis = Vec3::Zero(), turn = Vec3::Zero();
   for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -75,8 +73,7 @@ double OutlineError::thickness_left_out(std::vector<double>& uncertain) const {
   for (std::uint32_t i = 0; i < scene.facets().size(); ++i) {
     const FacetId id(i);
     const Facet& facet = scene.facets()[i];
-    if (facet.corner_count == 0 || context_.visibility.facing(id) == Facing::out_of_reach)
-      continue;
+    if (facet.corner_count == 0 || context_.visibility.facing(id) == Facing::out_of_reach) continue;
     const Object& object = scene.objects()[context_.tables.object_of(id)];
     if (context_.visibility.enters(id)) {
       Cone* cone = context_.visibility.cone_of(id, pool);

@@ -126,6 +126,7 @@ class LightQuery {
   // A part has been answered; so may be the cones that it was cut from.
   void answer(Cone* cone, bool lit) {
     answers_->push_back({cone, lit});
+    SHADOWCUT_ASSERT(cuts_.empty() || cuts_.back().bottom <= w_.pending.size());
     while (!cuts_.empty() && cuts_.back().bottom == w_.pending.size()) {
       const Cut cut = cuts_.back();
       cuts_.pop_back();
@@ -136,6 +137,7 @@ class LightQuery {
   // A cone whose two parts are in one state is answered whole.
   void merge(const Cut& cut) {
     std::vector<Answer>& answers = *answers_;
+    SHADOWCUT_ASSERT(answers.size() >= cut.first_answer + 2);
     if (answers.size() != cut.first_answer + 2 ||
         answers[cut.first_answer].lit != answers[cut.first_answer + 1].lit)
       return w_.pool.give_back(cut.whole);

@@ -75,6 +75,7 @@ double place_polygon(const EmissionContext& context, const CellPredicates& predi
                      FacetId facet, std::span<const ConeCorner> cone, PointCache& points,
                      Vec3* out) {
   if (predicates.is_exact()) return place_exactly(context, predicates, facet, cone, points, out);
+  SHADOWCUT_ASSERT(cone.size() >= 2);
   const std::size_t count = cone.size();
   const bool reversed = context.space.handedness() < 0;
   const double* q = context.tables.plane_ray(facet).q;
@@ -105,6 +106,7 @@ double place_polygon(const EmissionContext& context, const CellPredicates& predi
 void note_constructions(const EmissionContext& context, const CellPredicates& predicates,
                         std::span<const ConeCorner> cone, std::size_t first, Block& block) {
   block.constructions.resize(block.corners.size());
+  SHADOWCUT_ASSERT(first + cone.size() <= block.corners.size());
   const auto count = static_cast<std::uint32_t>(cone.size());
   const bool reversed = context.space.handedness() < 0;
   for (std::uint32_t k = 0; k < count; ++k) {

@@ -92,6 +92,7 @@ class MergingSink {
   // Merges the two polygons on top of the stack if they are in like states, meet in a whole edge of
   // both, and their union is convex.
   bool merge_top() {
+    SHADOWCUT_ASSERT(held_.size() >= 2);
     Held& a = held_[held_.size() - 2];
     const Held& b = held_.back();
     const std::span<const ConeCorner> corners = held_corners_;

@@ -55,7 +55,6 @@ struct VertexRay {
   float error;
 };
 
-
 // How the front of a plane stands to the light.
 enum class Orientation : std::uint8_t { toward, away, edge_on };
 

@@ -13,6 +13,7 @@ bool in_line(const Vec3& a, const Vec3& b, const Vec3& c) {
 }  // namespace
 
 LightLine CellPredicates::exact(LineId id) const {
+  SHADOWCUT_ASSERT(is_exact() && id.valid());
   if (is_local(id)) return local_[id.value() - first_local_line].exact;
   const auto& [a, b] = tables_.lines.ends(id);
   return {false, {a, b, Vec3::Zero(), Vec3::Zero()}};
@@ -24,6 +25,7 @@ std::uint32_t CellPredicates::shared_vertex(EdgeRef a, EdgeRef b) const {
 
 void CellPredicates::hold(std::span<const ConeCorner> cone, std::uint32_t i, FacetId facet,
                           HeldCorner& held) const {
+  SHADOWCUT_ASSERT(i < cone.size());
   const EdgeRef in = incoming(cone, i), out = cone[i].edge;
   held.corner = {nullptr, false, &held.in, &held.out, in.negative(), out.negative()};
   if (cone[i].vertex != none) {
@@ -89,6 +91,7 @@ int CellPredicates::nearer(std::span<const ConeCorner> cone, std::uint32_t i, Fa
 }
 
 int CellPredicates::ahead(FacetId facet, std::uint32_t vertex) const {
+  SHADOWCUT_ASSERT(is_exact() && vertex < tables_.vertices.size());
   return exact_->ahead(tables_.plane_of(facet), tables_.vertices[vertex]);
 }
 

@@ -34,6 +34,7 @@ class PointCache {
   template <class Make>
   Vec3 get(std::uint32_t plane, std::uint32_t in, std::uint32_t out, const Make& make) {
     if (in > out) std::swap(in, out);
+    SHADOWCUT_ASSERT(in != none && out != none);
     if (slots_.empty()) slots_.resize(std::size_t{1} << bits);
     Slot& slot =
         slots_[(in * 0x9E3779B1u ^ out * 0x85EBCA77u ^ plane * 0xC2B2AE3Du) >> (32 - bits)];

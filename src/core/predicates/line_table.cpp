@@ -15,6 +15,7 @@ void LineTable::reset(std::size_t edges, std::size_t objects, bool with_ends) {
 }
 
 LineId LineTable::add_kd_line(const Line& line) {
+  SHADOWCUT_ASSERT(lines_.size() < first_local_line);
   lines_.push_back(line);
   return LineId(lines_.size() - 1);
 }
@@ -28,6 +29,7 @@ void LineTable::start_blocks(std::span<const Object> objects) {
     const Object& object = objects[o];
     if (!object.alive) continue;
     block_of_object_[o] = static_cast<std::uint32_t>(blocks_.size());
+    SHADOWCUT_ASSERT(object.first_edge + object.edge_count <= lines_.size());
     std::fill_n(block_of_line_.begin() + object.first_edge, object.edge_count, block_of_object_[o]);
     blocks_.push_back({object.first_edge, object.edge_count, 0, false});
   }
@@ -40,6 +42,7 @@ void LineTable::grow(std::size_t objects) {
 
 void LineTable::count_plane(LineId line, bool kept) {
   const std::uint32_t b = block_of_line_[line.value()];
+  SHADOWCUT_ASSERT(b < blocks_.size());
   Block& block = blocks_[b];
   SHADOWCUT_ASSERT(kept || block.planes > 0);
   if (kept) {
@@ -64,6 +67,7 @@ void LineTable::leave_block(std::uint32_t object) {
 void LineTable::give_block_back(std::uint32_t object) {
   const std::uint32_t b = block_of_object_[object];
   if (b == none) return;
+  SHADOWCUT_ASSERT(blocks_[b].planes == 0);
   free_blocks_.emplace(blocks_[b].count, b);
   block_of_object_[object] = none;
 }

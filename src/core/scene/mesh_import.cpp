@@ -12,10 +12,10 @@
 #include <numeric>
 #include <tuple>
 
+#include "numbers/error_free.hpp"
 #include "scene/convex_decomposition.hpp"
 #include "scene/coplanar_groups.hpp"
 #include "scene/id_table.hpp"
-#include "numbers/error_free.hpp"
 
 namespace shadowcut {
 namespace {

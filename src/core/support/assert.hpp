@@ -6,11 +6,11 @@
 #ifdef SHADOWCUT_ASSERTIONS
 #include <cstdio>
 #include <cstdlib>
-#define SHADOWCUT_ASSERT(condition)                                                           \
-  ((condition) ? static_cast<void>(0)                                                         \
-               : (std::fprintf(stderr, "%s:%d: assertion failed: %s\n", __FILE__, __LINE__,   \
-                               #condition),                                                   \
-                  std::abort()))
+#define SHADOWCUT_ASSERT(condition)                                                              \
+  ((condition)                                                                                   \
+       ? static_cast<void>(0)                                                                    \
+       : (std::fprintf(stderr, "%s:%d: assertion failed: %s\n", __FILE__, __LINE__, #condition), \
+          std::abort()))
 #else
 #define SHADOWCUT_ASSERT(condition) static_cast<void>(sizeof((condition) ? 1 : 0))
 #endif

@@ -106,6 +106,7 @@ FacetParts CellGrid::filter(std::span<const FacetId> order) {
 // threads.
 void CellGrid::build(std::span<const FacetId> order, const std::function<void(double)>& report) {
   const std::size_t cell_count = kd_tree_->cell_count();
+  SHADOWCUT_ASSERT(cell_count >= 1);
   cells_.resize(cell_count, SvbspTree(tables_, settings_));
   for (SvbspTree& cell : cells_) cell.clear();
   std::vector<FacetParts> chunks;
@@ -120,6 +121,7 @@ void CellGrid::build(std::span<const FacetId> order, const std::function<void(do
   }
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Ref> refs(begin.back());
+  SHADOWCUT_ASSERT(std::is_sorted(begin.begin(), begin.end()));
   std::vector<std::size_t> fill(begin.begin(), begin.end() - 1);
   for (std::uint32_t c = 0; c < chunks.size(); ++c) {
     for (std::uint32_t i = 0; i < chunks[c].list.size(); ++i)
@@ -177,6 +179,7 @@ void CellGrid::rebuild(CellId cell, std::span<const FacetId> order, Workspace& w
 // Puts an entry in front of its object's location list.
 void CellGrid::add_location(CellId cell, EntryId entry) {
   Entry& e = (*this)[cell].pieces.entry(entry);
+  SHADOWCUT_ASSERT(e.facet.valid() && tables_.object_of(e.facet) < locations_.size());
   Location& head = locations_[tables_.object_of(e.facet)];
   e.next = head;
   head = {cell, entry};

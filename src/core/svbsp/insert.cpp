@@ -38,6 +38,7 @@ class Insertion : public DescentVisitor {
   // sides is cut along the line in which the planes cross; the line becomes an SP-node of the part
   // in front when that part attaches its shadow volume.
   Cone* pass_pp_node(Cone* cone, NodeId pp) {
+    SHADOWCUT_ASSERT(tree_.is_pp(pp) && cone->entry.valid());
     const LightTables& tables = tree_.tables();
     const std::uint32_t own = tables.plane_index(cone->facet),
                         other = tables.plane_index(tree_.owner_facet(pp));
@@ -113,6 +114,7 @@ class Insertion : public DescentVisitor {
     }
     tree_.add_pp_node(place, piece);
     tree_.log_change(leaf);
+    SHADOWCUT_ASSERT(!tree_.branch(leaf).is_out());
   }
 
   SvbspTree& tree_;
@@ -126,10 +128,12 @@ EntryId insert(SvbspTree& tree, Cone* cone, Workspace& w) {
   const EntryId entry = tree.pieces.add_entry(cone->facet);
   cone->entry = entry;
   insert_at(tree, cone, Place::root(), w);
+  SHADOWCUT_ASSERT(tree.pieces.entry(entry).pieces > 0);
   return entry;
 }
 
 void insert_at(SvbspTree& tree, Cone* cone, Place place, Workspace& w) {
+  SHADOWCUT_ASSERT(tree.pieces.entry(cone->entry).facet == cone->facet);
   Insertion insertion(tree, false, w);
   descend(tree, cone, place, 0, w, insertion);
 }

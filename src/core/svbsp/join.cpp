@@ -36,6 +36,7 @@ class Joining {
 
   // `side`: the smaller side of the node.
   void run(std::uint32_t side) {
+    SHADOWCUT_ASSERT(side <= 1 && tree_.links(node_).is_marked());
     take_apart(tree_.node(node_).child[side]);
     const std::vector<PieceId> others = halves_on_large_side();
     rename_lines_of_halves();
@@ -151,6 +152,7 @@ class Joining {
   void add_sp_node_above(NodeId pp, EdgeRef edge, PieceId owner) {
     const Place place = tree_.links(pp).parent;
     Place inside = place;
+    SHADOWCUT_ASSERT(tree_.branch(place).is_pp() && tree_.branch(place).node() == pp);
     tree_.add_sp_node(inside, edge, owner);
     tree_.put(inside, Branch::pp(pp));
     tree_.log_change(place);
@@ -161,6 +163,7 @@ class Joining {
   bool merge_with_half(PieceId piece, LineId line) {
     const NodeId pp = tree_.pieces[piece].node();
     std::vector<ConeCorner> whole;
+    SHADOWCUT_ASSERT(tree_.pieces[piece].kind == Piece::Kind::owner && tree_.is_pp(pp));
     auto& halves = halves_.all();
     for (auto h = halves.begin(); h != halves.end(); ++h) {
       Cone& half = *h->cone;
@@ -265,6 +268,7 @@ bool join(SvbspTree& tree, NodeId node, Workspace& w) {
 }
 
 void merge_in_list(SvbspTree& tree, PieceId piece, NodeId pp) {
+  SHADOWCUT_ASSERT(tree.is_pp(pp) && tree.pieces[piece].node() == pp);
   std::vector<ConeCorner> whole;
   for (PieceId p = tree.links(pp).first; p.valid();) {
     const Piece &other = tree.pieces[p], &own = tree.pieces[piece];

@@ -100,6 +100,7 @@ Cone* KdTree::part_in(CellId cell, Cone* cone, const CellPredicates& predicates,
   std::vector<Place> way;
   for (Place p = cell_above_[cell.value()]; !p.is_root(); p = node_above_[p.node().value()])
     way.push_back(p);
+  SHADOWCUT_ASSERT(way.size() == depth_of(cell));
   for (auto p = way.rbegin(); p != way.rend() && cone; ++p)
     cone = clip(cone, dividing_line(p->node()), p->side(), predicates, w);
   return cone;

@@ -30,6 +30,7 @@ std::uint64_t PieceStore::bytes() const {
 }
 
 EntryId PieceStore::add_entry(FacetId facet) {
+  SHADOWCUT_ASSERT(facet.valid());
   EntryId id;
   if (free_entries_.empty()) {
     id = EntryId(entries_.size());
@@ -73,6 +74,7 @@ void PieceStore::release(PieceId id, LocalLines& lines) {
   Entry& e = entry(p.entry);
   (p.before.valid() ? (*this)[p.before].after : e.first) = p.after;
   if (p.after.valid()) (*this)[p.after].before = p.before;
+  SHADOWCUT_ASSERT(e.pieces > 0);
   --e.pieces;
   release_corners(p, lines);
   p.kind = Piece::Kind::free;
@@ -88,6 +90,7 @@ void PieceStore::replace_corners(PieceId id, std::span<const ConeCorner> corners
 
 void PieceStore::rename_edges(PieceId id, LineId line, LineId name, bool bounded,
                               LocalLines& lines) {
+  SHADOWCUT_ASSERT((*this)[id].kind != Piece::Kind::free && name.valid());
   for (ConeCorner& c : corners(id)) {
     if (c.edge.line() != line) continue;
     lines.count_use(line, false);
@@ -98,6 +101,7 @@ void PieceStore::rename_edges(PieceId id, LineId line, LineId name, bool bounded
 }
 
 void PieceStore::set_corners(Piece& p, std::span<const ConeCorner> corners, LocalLines& lines) {
+  SHADOWCUT_ASSERT(!corners.empty());
   p.corner_count = static_cast<std::uint32_t>(corners.size());
   p.first_corner = free_corners_.take(corners_, p.corner_count);
   std::copy(corners.begin(), corners.end(), corners_.begin() + p.first_corner);

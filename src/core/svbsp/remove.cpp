@@ -22,6 +22,7 @@ class Removal {
   Removal(SvbspTree& tree, Workspace& w) : tree_(tree), w_(w) {}
 
   std::size_t run(std::span<const EntryId> entries) {
+    SHADOWCUT_ASSERT(w_.pending.empty());
     for (const EntryId e : entries) take_out_pieces(e);
     for (const NodeId pp : pp_nodes_) take_out_pp_node(pp);
     const std::size_t displaced = displaced_.size();
@@ -31,6 +32,7 @@ class Removal {
     if (tree_.settings().join_threshold > 0) {
       for (const Place place : shrunk_) clear_up(place, true);
     }
+    SHADOWCUT_ASSERT(displaced_.size() == 0);
     tree_.finish_removal();
     return displaced;
   }
@@ -66,6 +68,7 @@ class Removal {
   }
 
   void take_out_pp_node(NodeId pp) {
+    SHADOWCUT_ASSERT(tree_.is_pp(pp) && tree_.pieces[tree_.node(pp).owner()].node() == pp);
     displaced_.take_list(tree_, tree_.links(pp).first, Place(pp, 0), w_);
     const Place place = tree_.links(pp).parent;
     tree_.put(place, tree_.node(pp).child[0]);
@@ -88,6 +91,7 @@ class Removal {
 
   // A marked node with an empty side gives way to its other side.
   bool collapse(NodeId node) {
+    SHADOWCUT_ASSERT(tree_.links(node).is_marked());
     const Branch a = tree_.node(node).child[0], b = tree_.node(node).child[1];
     if (!a.is_empty() && !b.is_empty()) return false;
     const Place place = tree_.links(node).parent;

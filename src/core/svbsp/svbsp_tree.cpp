@@ -83,6 +83,7 @@ NodeId SvbspTree::add_node(const double n[3], float error, std::uint32_t name, P
 }
 
 void SvbspTree::add_sp_node(Place& place, EdgeRef edge, PieceId owner) {
+  SHADOWCUT_ASSERT(pieces[owner].kind == Piece::Kind::owner && edge.line().valid());
   const Line& l = line(edge.line());
   const NodeId node = add_node(l.n, l.error, edge.line().value(), place, owner);
   lines.count_use(edge.line(), true);
@@ -91,6 +92,7 @@ void SvbspTree::add_sp_node(Place& place, EdgeRef edge, PieceId owner) {
 }
 
 void SvbspTree::add_pp_node(Place place, PieceId owner) {
+  SHADOWCUT_ASSERT(branch(place).is_empty() && pieces[owner].kind == Piece::Kind::owner);
   const PlaneRay& q = tables_->plane_ray(pieces[owner].facet);
   const NodeId pp = add_node(q.q, q.error, owner.value(), place, owner);
   slot(place) = Branch::pp(pp);
@@ -105,6 +107,7 @@ PieceId SvbspTree::store(const Cone& cone, Piece::Kind kind, std::uint32_t at) {
 }
 
 void SvbspTree::add_to_list(PieceId piece, NodeId pp) {
+  SHADOWCUT_ASSERT(is_pp(pp) && pieces[piece].node() == pp && !pieces[piece].next.valid());
   PieceId& first = links(pp).first;
   pieces[piece].next = first;
   if (first.valid()) pieces[first].previous = piece;
@@ -113,6 +116,7 @@ void SvbspTree::add_to_list(PieceId piece, NodeId pp) {
 
 void SvbspTree::rest_at_leaf(PieceId piece, Place place) {
   const Branch leaf = branch(place);
+  SHADOWCUT_ASSERT(leaf.is_out() && pieces[piece].leaf() == place);
   if (!leaf.is_empty()) {
     pieces[piece].next = leaf.first_piece();
     pieces[leaf.first_piece()].previous = piece;
@@ -122,6 +126,7 @@ void SvbspTree::rest_at_leaf(PieceId piece, Place place) {
 
 // A branch in its place; what it leads to knows the place.
 void SvbspTree::put(Place place, Branch branch) {
+  SHADOWCUT_ASSERT(branch.is_out() || !links(branch.node()).is_released());
   slot(place) = branch;
   if (!branch.is_out()) {
     links(branch.node()).parent = place;
@@ -183,6 +188,7 @@ void SvbspTree::release_node(NodeId node, bool is_sp) {
 
 // A copy of a line, for edges that stay after the line's object, or its node, has gone.
 LineId SvbspTree::add_local_copy(LineId id) {
+  SHADOWCUT_ASSERT(id.valid());
   Line copy = line(id);
   copy.a = copy.b = none;
   return lines.add_idle(copy, tables_->is_exact() ? predicates().exact(id) : LightLine{});
@@ -194,6 +200,7 @@ Place SvbspTree::resolve(Place place) const {
 }
 
 void SvbspTree::finish_removal() {
+  SHADOWCUT_ASSERT(marked_nodes_ <= nodes_.size() && pp_nodes_ <= nodes_.size());
   for (const NodeId node : new_marks_) {
     NodeLinks& l = links(node);
     if (!l.is_marked()) continue;
@@ -205,6 +212,9 @@ void SvbspTree::finish_removal() {
   }
   new_marks_.clear();
   for (Place& place : log.places_changed) place = resolve(place);
+  SHADOWCUT_ASSERT(
+      std::none_of(log.places_changed.begin(), log.places_changed.end(),
+                   [this](Place p) { return !p.is_root() && links(p.node()).is_released(); }));
   for (const NodeId node : released_nodes_) free_nodes_.give_back(node);
   released_nodes_.clear();
   lines.release_idle();

@@ -154,8 +154,7 @@ class TreeCheck {
     const PlaneRay& ray = tree_.tables().plane_ray(cone.facet);
     double nearest = INFINITY;
     for (const ConeCorner& c : cone.span()) {
-      nearest =
-          std::min(nearest, (space_->back(c.r, ray.q) - space_->frame().center).norm());
+      nearest = std::min(nearest, (space_->back(c.r, ray.q) - space_->frame().center).norm());
     }
     return 8 * tree_.tables().plane_of(cone.facet).flatness /
            (space_->far() ? space_->frame().scale : nearest);
@@ -164,8 +163,8 @@ class TreeCheck {
   std::string check_against_nodes_above(const Piece& piece, Cone& cone,
                                         std::vector<std::uint8_t>& edge_bounded, std::size_t i) {
     const double bent = bend(cone);
-    Place place = piece.kind == Piece::Kind::at_leaf ? piece.leaf()
-                                                     : tree_.links(piece.node()).parent;
+    Place place =
+        piece.kind == Piece::Kind::at_leaf ? piece.leaf() : tree_.links(piece.node()).parent;
     for (; !place.is_root(); place = tree_.links(place.node()).parent) {
       const Node& node = tree_.node(place.node());
       if (tree_.is_pp(place.node())) {
