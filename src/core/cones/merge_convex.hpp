@@ -80,8 +80,8 @@ class ConvexMerger {
   }
 
   // Whether the turn from corner k, at a corner that leaves along `edge`, is certainly convex: k
-  // is inside of that edge's line. The polygons' own errors are not at hand. A corner's error is at
-  // most twice a line's and a cross product's, and the answer only decides whether to merge.
+  // is inside of that edge's line. The errors of the polygons are not known here. A corner's error
+  // is at most twice a line's and a cross product's, and the answer only decides whether to merge.
   bool turns_inward(std::span<const ConeCorner> c, std::uint32_t k, FacetId facet, EdgeRef edge,
                     SignCounts& counts) const {
     k = k < c.size() ? k : k - static_cast<std::uint32_t>(c.size());

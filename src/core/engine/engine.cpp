@@ -66,7 +66,7 @@ struct Engine::Impl {
   }
   void require_whole() const {
     if (broken)
-      throw Error("the engine ran out of memory during an update; compact() builds it anew");
+      throw Error("the engine ran out of memory during an update: call compact()");
   }
 
   // Before anything is touched.
@@ -76,7 +76,7 @@ struct Engine::Impl {
     }
   }
 
-  // Runs a step; if it throws, nothing is answered any more.
+  // Runs a step. If the step throws, every later question throws until compact().
   template <class Step>
   void guarded(const Step& step) {
     try {
@@ -87,7 +87,7 @@ struct Engine::Impl {
     }
   }
 
-  // A light's tree is made anew, or goes, or comes.
+  // Rebuilds a light's state, adds it, or removes it.
   void rebuild(std::size_t light) {
     Tracked& t = lights[light];
     t.revision = wanted.light_revision(light);
@@ -215,7 +215,7 @@ struct Engine::Impl {
     }
   }
 
-  // Whether building anew is no more work than editing.
+  // Whether a rebuild costs no more than the edits.
   bool is_most_of_it(const std::vector<std::uint32_t>& objects) const {
     std::size_t facets = 0;
     for (const std::uint32_t o : objects) {

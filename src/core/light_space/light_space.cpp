@@ -10,7 +10,7 @@ namespace {
 // from the light lose under five bits.
 constexpr double far_radii = 16;
 
-// rounded to float, and never below the bound
+// A bound rounded to float, and never below the bound.
 float up(double bound) { return static_cast<float>(bound) * (1 + 0x1p-22f); }
 
 }  // namespace
@@ -26,7 +26,7 @@ LightSpace::LightSpace(const Light& light, const Eigen::AlignedBox3d& box) {
   std::frexp(far_ ? radius : std::max(radius, d.stableNorm()), &exponent);
   scale_ = std::ldexp(1.0, exponent), inverse_scale_ = std::ldexp(1.0, -exponent);
   if (!far_) {
-    // the light looks outward from the origin, where a x b > 0 inside goes with clockwise
+    // Seen from the origin, a loop with a x b > 0 inside runs clockwise.
     handedness_ = -1;
     return;
   }
@@ -38,7 +38,7 @@ LightSpace::LightSpace(const Light& light, const Eigen::AlignedBox3d& box) {
   shear_y_ = d[axis_[1]] / d[z];
   inverse_depth_ = directional ? 0 : 1 / d[z];
   sign_ = d[z] > 0 ? 1 : -1;
-  // the light looks along its axis: at the (x, y) plane's back when d_z > 0
+  // The light looks along its axis. When d_z > 0 it sees the back of the (x, y) plane.
   handedness_ = d[z] > 0 ? -1 : 1;
 }
 
@@ -65,9 +65,8 @@ VertexRay LightSpace::ray(const Vec3& x) const {
   return out;
 }
 
-// n = r x e with e = the image of b - a: the difference of the corners is taken before anything is
-// lost to the light's distance. Of the two ends the one with the shorter ray makes the
-// better-conditioned product.
+// n = r x e, where e is the image of b - a: the corners are subtracted before the light's distance
+// costs digits. The end with the shorter ray gives the better-conditioned product.
 Line LightSpace::line(const Vec3& a, const Vec3& b) const {
   const Raw ra = raw_ray(a), rb = raw_ray(b);
   const Raw& from = ra.r.squaredNorm() <= rb.r.squaredNorm() ? ra : rb;
@@ -91,9 +90,9 @@ Line LightSpace::line(const Vec3& a, const Vec3& b) const {
           none};
 }
 
-// The signed distance of the light from the plane, to a positive factor: positive when the front is
-// turned away. error: of this number, for the plane as given; tilted: how far it may move because
-// the plane is only as sure as its corners.
+// The signed distance of the light from the plane, to a positive factor: positive when the front
+// faces away. `error`: of this number, for the plane as given. `tilted`: by how much the number may
+// change because the plane is only as certain as its corners.
 double LightSpace::awayness(const Plane& p, double& error, double& tilted) const {
   const Vec3 d = p.point - center_;
   const Vec3 m = p.normal;
@@ -131,7 +130,7 @@ PlaneRay LightSpace::plane(const Plane& p) const {
   double g_error, unused;
   const double g = awayness(p, g_error, unused);
   PlaneRay out{};
-  double numerator_error = 0;  // absolute, beyond the rounding of each component
+  double numerator_error = 0;  // absolute, in addition to the rounding of each component
   if (!far_) {
     for (int i = 0; i < 3; ++i) out.q[i] = m[i] / reach;
   } else {
@@ -166,7 +165,7 @@ double LightSpace::spread(const Vec3& x, const Plane& p) const {
 double LightSpace::slide(const Vec3& x, const Plane& p) const {
   if (!far_) return (x - center_).norm() / std::abs(p.normal.dot(p.point - center_));
   double unused_error, unused_tilt;
-  // the length of what has no component above 1.2
+  // 2.1 bounds the length of a vector without a component above 1.2.
   return 2.1 / std::abs(awayness(p, unused_error, unused_tilt));
 }
 

@@ -1,5 +1,4 @@
-// Light space: the three numbers of a ray from the light, in which everything the tree asks is
-// linear.
+// Light space: rays from the light as three numbers, in which every question of the tree is linear.
 //
 // A light is one projective map of space, (r, h) = T (x - C, 1), that takes the light to infinity
 // along h:
@@ -31,63 +30,68 @@
 
 namespace shadowcut {
 
-struct Line {  // a plane through the light; as seen from the light, a line
+// A plane through the light; as seen from the light, a line.
+struct Line {
   double n[3];
   float error;
-  std::uint32_t a = none, b = none;  // the vertices whose rays lie on it, where it is an edge's
+  std::uint32_t a = none, b = none;  // of an edge: its vertices, whose rays are on the line
 };
 
-// The vertex in whose ray two edges' lines meet; none if they have none in common.
+// The vertex in whose ray the lines of two edges meet; none if the edges share no vertex.
 inline std::uint32_t shared_vertex(const Line& l, const Line& m) {
   if (l.a == none || m.a == none) return none;
   return l.a == m.a || l.a == m.b ? l.a : l.b == m.a || l.b == m.b ? l.b : none;
 }
 
-struct PlaneRay {  // a face's plane in light space
+// The plane of a face in light space.
+struct PlaneRay {
   double q[3];
-  // absolute, of q, with the plane's own flatness: nearer together than the input is flat counts as
-  // touching
+  // Absolute, of q. Includes the flatness of the plane: two planes nearer together than the input
+  // is flat are in contact.
   float error;
 };
 
+// The ray from the light to a vertex.
 struct VertexRay {
   double r[3];
   float error;
 };
 
-// How the front of a plane stands to the light.
+// The side of a plane that faces the light: its front (toward), its back (away), or neither.
 enum class Orientation : std::uint8_t { toward, away, edge_on };
 
 class LightSpace {
  public:
-  // `box` bounds the scene; it only conditions the numbers, nothing breaks outside it.
+  // `box` bounds the scene. It only conditions the numbers: points outside it are allowed.
   LightSpace(const Light& light, const Eigen::AlignedBox3d& box);
 
   VertexRay ray(const Vec3& x) const;
-  Line line(const Vec3& a,
-            // through the edge a -> b: positive on the left as the light sees it, or its mirror
-            // image; a, b unset
-            const Vec3& b) const;
-  PlaneRay plane(const Plane& p) const;  // only for planes not seen edge-on
+  // The line through the edge a -> b: positive on the left as the light sees the edge, or in its
+  // mirror image (see handedness()). Line::a and b are not set.
+  Line line(const Vec3& a, const Vec3& b) const;
+  PlaneRay plane(const Plane& p) const;  // not for planes seen edge-on
   Orientation orientation(const Plane& p) const;
-  // The plane's direction as a covector of length one: of q, but also where the plane is seen
-  // edge-on and has none.
+  // The direction of the plane as a covector of length one. Unlike q it exists for planes seen
+  // edge-on.
   Vec3 covector(const Plane& p) const;
-  // What linear functions of r have to be divided by to be linear on the plane q, where r meets it.
+  // A linear function of r, divided by this weight, is linear on the plane q (at the point where r
+  // meets q).
   double weight(const double r[3], const double q[3]) const {
     const double h = q[0] * r[0] + q[1] * r[1] + q[2] * r[2];
     return far_ ? r[2] + sign_ * scale_ * h * inverse_depth_ : h;
   }
-  // How far, to first order, the point back(r, q) moves along its ray when q moves by 1.
+  // The distance, to first order, by which the point back(r, q) moves along its ray when q moves
+  // by 1.
   double pull(const double r[3], const double q[3]) const {
     const double w = std::abs(weight(r, q)),
                  length = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
     return far_ ? 2 * scale_ * length / w : scale_ * length * length / (w * w);
   }
-  // How far x, on the plane p, moves in that plane at most, to first order, when its ray, of length
+  // The largest distance, to first order, by which x moves in its plane p when its ray, of length
   // one, moves by 1.
   double spread(const Vec3& x, const Plane& p) const;
-  // How far it is at most from x, off the plane by 1, to where the ray of x meets the plane.
+  // For a point x at distance 1 from the plane: the largest distance from x to the point where the
+  // ray of x meets the plane.
   double slide(const Vec3& x, const Plane& p) const;
   // The point where the ray r meets the plane q.
   Vec3 back(const double r[3], const double q[3]) const {
@@ -97,7 +101,7 @@ class LightSpace {
     return {center_[0] + r[0] * s, center_[1] + r[1] * s, center_[2] + r[2] * s};
   }
 
-  // What the frame is made of; see ExactPredicates.
+  // The parameters of the frame, for ExactPredicates.
   struct Frame {
     bool far;
     Vec3 center;
@@ -105,14 +109,14 @@ class LightSpace {
     double sign, scale;
   };
   Frame frame() const { return {far_, center_, {axis_[0], axis_[1], axis_[2]}, sign_, scale_}; }
-  // Two points whose line of light is the plane n through the light, or nearly.
+  // Two points with short coordinates. The plane through them and the light is n, up to rounding.
   std::pair<Vec3, Vec3> span(const Vec3& n) const;
 
   // +1 when a loop that runs counter-clockwise seen from the light does so in r too (its lines
   // positive inside), else -1.
   int handedness() const { return handedness_; }
   bool far() const { return far_; }
-  // How far from the frame's centre a box reaches, or the scene does.
+  // The distance from the frame's centre to the farthest point of a box, or of the scene.
   double reach(const Eigen::AlignedBox3d& box) const {
     return std::max(
         scale_, (box.min() - center_).cwiseAbs().cwiseMax((box.max() - center_).cwiseAbs()).norm());
@@ -133,11 +137,9 @@ class LightSpace {
   double shear_x_ = 0, shear_y_ = 0;  // far: d_x / d_z, d_y / d_z
   double inverse_depth_ = 0;          // far: 1 / d_z; directional: 0
   double sign_ = 1;                   // far: of d_z
-  double scale_ = 1,
-         inverse_scale_ =
-             // the scene's size as the light sees it, a power of two: neither tiny nor huge scenes
-         // leave the range of float and double
-         1;
+  // The size of the scene as the light sees it, a power of two: neither tiny nor huge scenes leave
+  // the range of float and double.
+  double scale_ = 1, inverse_scale_ = 1;
   int handedness_ = 1;
 };
 

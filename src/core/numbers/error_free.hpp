@@ -1,5 +1,5 @@
-// What a sum or a product of doubles loses, as a second double: exact, as long as nothing leaves
-// the range of double.
+// Error-free transformations: a sum or a product of two doubles as a rounded double and its exact
+// rounding error. Exact as long as no number leaves the range of double.
 //
 // Sources: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
 // Predicates", 1997 (two_sum, two_product); T. J. Dekker, "A Floating-Point Technique for Extending

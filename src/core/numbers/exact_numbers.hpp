@@ -1,11 +1,11 @@
-// Numbers for the signs and roundings that plain doubles leave open. One formula, written for any
-// of them (exact.cpp), serves all three:
+// Number types for the signs and roundings that plain doubles leave open. The formulas of
+// predicates/exact_predicates.cpp are templates over the type:
 //
-//   Tracked    a sum of two doubles and a bound on its error: for corners, which need some bits
+//   Tracked    a sum of two doubles with a bound on its error: for corners, which need some bits
 //              more than a double has
-//   Expansion  a sum of doubles, exact as long as nothing leaves the range of double: for signs,
-//              short numbers cost little
-//   Wide       an integer times a power of two: exact, whatever the exponents
+//   Expansion  a sum of doubles, exact as long as no part leaves the range of double: for signs.
+//              Short numbers cost little
+//   Wide       an integer times a power of two: exact for all exponents
 //
 // Sources: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
 // Predicates", 1997 (sums and products of expansions). Everything here needs round-to-even and
@@ -167,9 +167,9 @@ class Wide {
     out.exponent_ = a.exponent_ + b.exponent_;
     return out;
   }
-  // To within 2^-10 ulp of rounding correctly; of a subnormal number, within an ulp. Reckoned
-  // without signs: Boost 1.74 may lose that of a negative number of several limbs when it is
-  // shifted down.
+  // To within 2^-10 ulp of rounding correctly; of a subnormal number, within an ulp. Computed
+  // without signs: Boost 1.74 may lose the sign of a negative number of several limbs when the
+  // number is shifted down.
   friend double quotient(const Wide& a, const Wide& b) {
     if (a.mantissa_.is_zero()) return 0;
     using boost::multiprecision::cpp_int;
@@ -194,8 +194,8 @@ class Wide {
 };
 
 // Each operation loses less than 2^-100 of its result (Dekker's sums and products of two doubles
-// lose some 2^-104), nothing if its operands are single doubles, and hands on what they may be
-// wrong by. Bounds grow by a little at every step to pay for their own rounding.
+// lose some 2^-104), and nothing if its operands are single doubles. It adds the error bounds of
+// its operands. Bounds grow a little at every step to pay for their own rounding.
 class Tracked {
  public:
   Tracked() = default;

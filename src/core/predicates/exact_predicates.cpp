@@ -39,7 +39,7 @@ struct ExactPredicates::Space {
   }
   V travel() const { return direction(light.light_); }
   int sign_z() const { return light.light_[light.axis_[2]] > 0 ? 1 : -1; }
-  // Along the light's travel onto the plane z = 0; times d_z.
+  // Along the light's direction onto the plane z = 0; times d_z.
   static std::array<N, 2> sheared(const V& p, const V& d) {
     return {p[0] * d[2] - p[2] * d[0], p[1] * d[2] - p[2] * d[1]};
   }
@@ -70,7 +70,7 @@ struct ExactPredicates::Space {
                  {a[0] * l - b[0] * k, a[1] * l - b[1] * k, a[2] * l - b[2] * k});
   }
 
-  // For a directional light ray(a) x ray(b) has the factor |d_z|, which goes: what is left is the
+  // For a directional light ray(a) x ray(b) has the factor |d_z|. Without the factor it is the
   // plane through the edge along d.
   V line(const LightLine& l) const {
     if (l.crossing) return difference(l.v[0], l.v[1], l.v[2], l.v[3]);
@@ -78,8 +78,8 @@ struct ExactPredicates::Space {
     const V n = cross(apart(l.v[0], l.v[1]), travel());
     return times(sign_z(), {n[0], n[1], N() - dot(n, position(l.v[0]))});
   }
-  // The line's value at a vertex. For an edge it is a volume, taken from the edge's end: what lies
-  // along one axis then comes out as an exact zero by itself.
+  // The line's value at a vertex. For an edge it is a volume, measured from the end of the edge:
+  // for points along one axis it is then an exact zero.
   N value(const LightLine& l, const Vec3& x) const {
     if (l.crossing) return dot(line(l), ray(x));
     const N volume = dot(light.point_ ? apart(l.v[0], light.light_) : travel(),
@@ -109,7 +109,7 @@ struct ExactPredicates::Space {
     return r[2] * slope;
   }
 
-  // In the frame of the light space, but for a positive factor.
+  // In the frame of the light space, up to a positive factor.
   V framed(const V& r) const {
     if (!light.frame_.far) return r;
     const auto& axis = light.frame_.axis;
@@ -154,7 +154,7 @@ ExactPredicates::ExactPredicates(const Light& light, const LightSpace& space)
     int exponent;
     std::frexp(light_[axis_[2]], &exponent);
     const Vec3 scaled = light_.unaryExpr([exponent](double c) { return std::ldexp(c, -exponent); });
-    // nothing was lost
+    // Only if no digit was lost.
     if (scaled.unaryExpr([exponent](double c) { return std::ldexp(c, exponent); }) == light_)
       light_ = scaled;
     unit_ = 1 / frame_.scale;
@@ -171,7 +171,7 @@ void ExactPredicates::note(const Vec3& v, double unit) {
   }
 }
 
-// Answers a question with the cheapest numbers that are exact.
+// Answers a question with the cheapest number type that is exact.
 template <class Question>
 auto ExactPredicates::ask(bool crossing, const Question& question) const {
   if (is_tame(crossing)) return question(Space<Expansion>{*this, unit_});
@@ -183,7 +183,7 @@ bool ExactPredicates::is_tame(bool crossing) const {
          largest_ <= largest_allowed;
 }
 
-// Where the sign of a number is the answer, two doubles often know it.
+// Where the answer is a sign, two doubles often decide it.
 template <class Question>
 int ExactPredicates::sign_of(bool crossing, const Question& question) const {
   if (is_tame(crossing)) {
@@ -210,8 +210,8 @@ bool ExactPredicates::contains(const Plane& p, const Vec3& x) const {
 }
 
 int ExactPredicates::nearer(const Plane& p, const Plane& q, const ExactCorner& corner) const {
-  // At a vertex that p contains, only its side of q is left to be asked: whether q is met behind
-  // it.
+  // At a vertex that p contains, only the vertex's side of q is open: whether the ray meets q
+  // behind the vertex.
   if (corner.vertex && !corner.opposite && contains(p, *corner.vertex)) {
     const Vec3& x = *corner.vertex;
     const int side = x == q.point ? 0 : sign_of(false, [&](const auto& s) {
@@ -264,11 +264,11 @@ VertexRay ExactPredicates::ray(const ExactCorner& corner) const {
 
 Vec3 ExactPredicates::point(const Plane& plane, const ExactCorner& corner) const {
   Vec3 out;
-  // A plane across an axis says where on it, without differences of equal numbers.
+  // A plane normal to an axis gives that coordinate without differences of equal numbers.
   const Vec3& m = plane.exact_normal;
   const auto is_given = [&m](int i) { return m[(i + 1) % 3] == 0 && m[(i + 2) % 3] == 0; };
   bool sure = is_tame(true);
-  if (sure) {  // nearly always the errors of two doubles settle it
+  if (sure) {  // two doubles nearly always suffice
     const Space<Tracked> s{*this, unit_};
     typename Space<Tracked>::V n;
     const Tracked d = s.meet(plane, s.corner(corner), n);

@@ -1,21 +1,20 @@
-// Exact signs and corners of light space: what the numbers of rays, lines and planes stand for,
-// decided from the input's own doubles.
+// Exact signs and corners of light space, computed from the input's own doubles.
 //
-// Everything is a number of a vertex x, of an edge's two ends, or of a plane (Plane::exact_normal,
-// Plane::point), all taken as they are:
-//   ray of x              point light: x - L. Directional light d, its largest component d_z: (x
-//                         d_z - z d_x, y d_z - z d_y, d_z) sgn d_z
-//   line of an edge a, b  the covector ray(a) x ray(b), but for a positive factor
-//   plane                 q = numerator / denominator; point light: m / m.(p - L); directional:
-//                         (m_x, m_y, -m.p) / m.d
-//   line of a crossing    q_P - q_Q, but for a positive factor
+// Rays, lines and planes are functions of a vertex x, of the two ends of an edge, or of a plane
+// (Plane::exact_normal m, Plane::point p). These doubles are taken as exact:
+//   ray of x              point light L: x - L
+//                         directional light d, with largest component d_z:
+//                         (x d_z - z d_x, y d_z - z d_y, d_z) sgn d_z
+//   line of an edge a, b  the covector ray(a) x ray(b), up to a positive factor
+//   plane                 q = numerator / denominator
+//                         point light: m / m.(p - L); directional: (m_x, m_y, -m.p) / m.d
+//   line of a crossing    q_P - q_Q, up to a positive factor
 //   corner of two lines   their cross product; the corners of a cone run round it one way, which
-//                         decides between it and its opposite
+//                         decides between the product and its opposite
 //
-// Laws (tests/predicates_test.cpp has one test for each):
-//   1. side(l, x) is the sign of the real number: for an edge, of the volume that the light, its
-//     two ends and x span, as the light space's
-//      frame shows it, or its mirror image.
+// Laws (tests/unit/predicates_test.cpp has one test for each):
+//   1. side(l, x) is the sign of the real number. For an edge that number is the volume spanned by
+//      the light, the two ends and x, as the light space's frame shows it, or its mirror image.
 //   2. side is 0 at either end of an edge, and at every corner that the line itself cuts.
 //   3. Turning an edge round changes the sign and nothing else.
 //   4. nearer(p, q, x) = -nearer(q, p, x), and 0 for one plane twice.
@@ -34,17 +33,20 @@ namespace shadowcut {
 
 // A corner of a cone.
 struct ExactCorner {
-  const Vec3* vertex;  // whose ray it is, or its opposite; or null, and then
+  // The vertex whose ray the corner is (or whose opposite ray). Null: the corner is where two lines
+  // meet, of the edges that come to the corner (in) and leave it (out).
+  const Vec3* vertex;
   bool opposite;
-  const LightLine *in, *out;       // the lines of the edges that come to it and leave it,
-  bool in_negative, out_negative;  // whose insides are where they are negative
+  const LightLine *in, *out;
+  bool in_negative, out_negative;  // the inside of the line is where it is negative
 };
 
 class ExactPredicates {
  public:
   ExactPredicates(const Light& light, const LightSpace& space);
 
-  // All positions and normals, before they are asked about. Not thread-safe; everything else is.
+  // Every position and normal must be noted before a question about it. Not thread-safe; all other
+  // members are.
   void note_position(const Vec3& x) { note(x, unit_); }
   void note_normal(const Vec3& m) { note(m, 1); }
   void note_object(const Scene& scene, const Object& object);
@@ -80,7 +82,7 @@ class ExactPredicates {
   int axis_[3];
   int handed_ = 1;                            // whether the light space's frame keeps orientation
   double unit_ = 1;                           // makes coordinates about one
-  double smallest_ = INFINITY, largest_ = 0;  // of all numbers, but zeros
+  double smallest_ = INFINITY, largest_ = 0;  // of all noted numbers except zeros
 };
 
 }  // namespace shadowcut

@@ -1,7 +1,7 @@
-// What joining has to look after. Faces cut by the node end there on both sides. The halves on the
-// small side are at hand; the lists of their entries lead to the halves on the large side. Where
-// two halves merge under the large side's PP-node, they do; otherwise that PP-node gets a copy of
-// the node just above itself.
+// Faces cut by the node end there on both sides. The halves on the small side have been taken out
+// of the tree; the lists of their entries lead to the halves on the large side. Where two halves
+// merge under the PP-node of the large side, they do; otherwise that PP-node gets a copy of the
+// node just above itself.
 
 #include "svbsp/join.hpp"
 
