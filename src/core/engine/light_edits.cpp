@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/light_state.hpp"
+#include "facets/fill_tables.hpp"
 
 namespace shadowcut {
 namespace {
@@ -174,7 +175,13 @@ void LightState::prepare_objects(std::span<const std::uint32_t> objects) {
     for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f)
       areas_.note(f);
   }
-  for_each([this](std::uint32_t o) { fill_tables(o); });
+  for_each([this](std::uint32_t o) {
+    fill_tables(scene_, space_, o, visibility_, tables_);
+    const Object& object = scene_.objects()[o];
+    if (!fragments_.is_incremental()) return;
+    for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f)
+      areas_.start_face(f);
+  });
   for (const std::uint32_t o : objects) {
     const Object& object = scene_.objects()[o];
     shadows_.stats.faces += object.face_count;
@@ -183,32 +190,6 @@ void LightState::prepare_objects(std::span<const std::uint32_t> objects) {
       if (visibility_.is_away(FacetId(i))) absorb_away(FacetId(i), true);
     }
   }
-}
-
-// An object's part of the tables, and the whole areas of its faces.
-void LightState::fill_tables(std::uint32_t o) {
-  const Object& object = scene_.objects()[o];
-  const auto facets_end = object.first_facet + object.facet_count;
-  bool any = false;
-  for (std::uint32_t i = object.first_facet; i < facets_end; ++i) {
-    if (!visibility_.enters(FacetId(i))) continue;
-    any = true;
-    const std::uint32_t plane = scene_.facets()[i].plane;
-    tables_.planes[plane] = space_.plane(scene_.planes()[plane]);
-  }
-  if (any) {
-    for (std::uint32_t i = 0; i < object.vertex_count; ++i) {
-      const std::uint32_t v = object.first_vertex + i;
-      tables_.rays[v] = space_.ray(scene_.vertices()[v]);
-    }
-    for (std::uint32_t i = object.first_edge; i < object.first_edge + object.edge_count; ++i)
-      set_line(o, i);
-    for (std::uint32_t i = object.first_facet; is_exact() && i < facets_end; ++i)
-      visibility_.check_loop(FacetId(i));
-  }
-  if (!fragments_.is_incremental()) return;
-  for (std::uint32_t f = object.first_face; f < object.first_face + object.face_count; ++f)
-    areas_.start_face(f);
 }
 
 // Inserts parts of facets into the cells, and emits what has changed since objects were removed.

@@ -2,6 +2,7 @@
 
 #include "engine/light_state.hpp"
 
+#include "facets/fill_tables.hpp"
 #include "fragments/error_bound.hpp"
 #include "support/clock.hpp"
 
@@ -77,12 +78,11 @@ void LightState::build() {
     for (const Object& object : scene_.objects()) tables_.exact->note_object(scene_, object);
   }
   visibility_.decide_all(light_);
-  fill_tables();
-  if (is_exact()) visibility_.check_loops();
+  fill_tables(scene_, space_, visibility_, tables_);
   const std::vector<FacetId> order = order_.of_scene();
   grid_.divide(options_.facets_per_cell ? order_.middle_rays(order) : std::vector<Vec3>(),
                space_.far(), options_.facets_per_cell);
-  if (is_exact()) set_exact_kd_lines();
+  if (is_exact()) set_exact_kd_lines(space_, tables_);
   grid_.build(order, options_.progress);
   shadows_.stats.build_ms = ms_since(start);
 
@@ -92,58 +92,6 @@ void LightState::build() {
   sum_up();
   if (options_.edits) start_edits();
   shadows_.stats.emit_ms = ms_since(built);
-}
-
-void LightState::set_line(std::uint32_t object, std::uint32_t edge) {
-  const Edge& e = scene_.edges()[edge];
-  const LineId id = tables_.lines.of_edge(object, edge);
-  const Vec3 &a = scene_.vertices()[e.a], &b = scene_.vertices()[e.b];
-  Line line = space_.line(a, b);
-  line.a = e.a, line.b = e.b;
-  tables_.lines.set(id, line);
-  if (is_exact()) tables_.lines.set_ends(id, a, b);
-}
-
-// Rays, lines and planes of the facets that enter.
-void LightState::fill_tables() {
-  const auto facets = scene_.facets();
-  std::vector<std::uint8_t> vertex_used(scene_.vertices().size(), 0),
-      plane_used(scene_.planes().size(), 0);
-  std::vector<std::uint32_t> object_of_edge(scene_.edges().size(), none);  // of used edges
-  for (std::size_t i = 0; i < facets.size(); ++i) {
-    if (!visibility_.enters(FacetId(i))) continue;
-    plane_used[facets[i].plane] = 1;
-    for (const Corner& c : scene_.corners_of(facets[i])) {
-      vertex_used[c.vertex] = 1;
-      object_of_edge[c.edge >> 1] = tables_.object_of(FacetId(i));
-    }
-  }
-  tables_.rays.resize(vertex_used.size());
-  tables_.planes.resize(plane_used.size());
-  tables_.lines.reset(object_of_edge.size(), scene_.objects().size(), is_exact());
-  constexpr std::size_t grain = 4096;
-  parallel_for(vertex_used.size(), grain, [&](std::size_t i) {
-    if (vertex_used[i]) tables_.rays[i] = space_.ray(scene_.vertices()[i]);
-  });
-  parallel_for(object_of_edge.size(), grain, [&](std::size_t i) {
-    if (object_of_edge[i] != none) set_line(object_of_edge[i], static_cast<std::uint32_t>(i));
-  });
-  parallel_for(plane_used.size(), grain, [&](std::size_t i) {
-    if (plane_used[i]) tables_.planes[i] = space_.plane(scene_.planes()[i]);
-  });
-}
-
-// The k-d tree's planes are doubles in light space; exactly, they go through two points.
-void LightState::set_exact_kd_lines() {
-  LineTable& lines = tables_.lines;
-  for (std::uint32_t i = lines.first_kd_line(); i < lines.size(); ++i) {
-    const LineId id(i);
-    const auto [a, b] = space_.span({lines[id].n[0], lines[id].n[1], lines[id].n[2]});
-    lines.set_ends(id, a, b);
-    lines.set(id, space_.line(a, b));
-    tables_.exact->note_position(a);
-    tables_.exact->note_position(b);
-  }
 }
 
 // Areas and statistics, after all fragments have been emitted.

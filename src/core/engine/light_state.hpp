@@ -56,9 +56,6 @@ class LightState {
   bool is_exact() const { return options_.kernel == Kernel::exact; }
   void note_all_gone();
   void build();
-  void fill_tables();
-  void set_line(std::uint32_t object, std::uint32_t edge);
-  void set_exact_kd_lines();
   void sum_up();
   void start_edits();
 
@@ -70,7 +67,6 @@ class LightState {
   bool suits_light_space(std::span<const std::uint32_t> objects) const;
   void grow();
   void prepare_objects(std::span<const std::uint32_t> objects);
-  void fill_tables(std::uint32_t object);
   void insert_into_cells(std::span<const FacetId> order);
   void rebuild_cell(CellId cell);
   void emit_again();
