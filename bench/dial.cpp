@@ -5,8 +5,7 @@
 // A row is a scene, a light and a method:
 //
 //   shadowcut  kernels x forms, and smallest features by area and by solid angle; of models, planes
-//              shared within 1e-6; one thread, the
-//              one-off call
+//              shared within 1e-6; one thread, the one-off call
 //   rays       Embree, 1 to 4 096 shadow rays a face; by area: in the mean, large faces get more
 //   map        a shadow map of 256 to 8 192 texels a side, looked up at 1 024 points a face
 //   edits      Engine after a script of 100 moves: kernels x join thresholds
@@ -16,17 +15,16 @@
 //
 // Errors are against the exact kernel's result, over the faces turned to the light:
 //   symmetric_difference  area of the symmetric difference of the lit regions; of a map, the area
-//                         of the points where it is wrong, with
-//                         rays for the truth; of rays there is none, since they give areas only
+//                         of the points where it is wrong, with rays for the truth; none for rays,
+//                         which give areas only
 //   area_error            sum over faces of | lit area - exact lit area |; never more than the
 //                         above
-//   undecided_area        of kernel fast: the sum of Engine::undecided, which bounds
-//                         the true error; and the faces whose areas
-//                         are off by more than their own share of it
+//   undecided_area        of kernel fast: the sum of Engine::undecided, which bounds the true error;
+//                         and the faces whose areas are off by more than their own share of it
 //   dropped_area          with a smallest feature: what is neither lit nor shadowed
 //   wrong faces           lit (over 1e-6 of the face) although wholly shadowed (to 1e-9), and the
-//                         reverse; and missed: a lit or shadowed
-//                         part of over a hundredth of the face, of which nothing is reported
+//                         reverse; and missed: a lit or shadowed part of over a hundredth of the
+//                         face that is not reported at all
 // A row that would take longer than --seconds, by the row before, is left out and says so
 // ("skipped", with the estimate).
 #include <CLI/CLI.hpp>

@@ -1,17 +1,16 @@
 // The published algorithms beside the engine, on the same scenes and behind one call.
 //
 //   brute, tiling, ordered   M. Slater, "A comparison of three shadow volume algorithms", The
-//                            Visual Computer 9(1), 1992: two passes, a
-//   scene
-//                            BSP that orders the polygons front to back from the light, then each
-//                              against the shadows of those before it
-//   unordered                the engine (CS95), on the scene's own faces or on what the scene BSP
-//                            made of them
+//                            Visual Computer 9(1), 1992: two passes. A scene BSP orders the polygons
+//                            front to back from the light; then each polygon is cut by the shadows
+//                            of the polygons before it
+//   unordered                the engine (CS95), on the scene's own faces or on the polygons of the
+//                            scene BSP
 //
-// Areas and facing mean what they mean in shadows.hpp, and so do lights with a range or a cone. The
-// rivals reckon in plain doubles with a fixed tolerance (lighting.hpp): lit areas are good to 1e-9
-// of a face where faces are flat, are not a millionth of the scene in size, and are not seen within
-// 1e-3 radians of their planes. Faces that cross are cut along their crossing by the scene BSP, and
+// Areas, facing, ranges and spot cones are defined as in shadows.hpp. The published algorithms
+// compute in plain doubles with a fixed tolerance (lighting.hpp): lit areas are good to 1e-9 of a
+// face if the face is flat, is larger than a millionth of the scene, and is not seen within 1e-3
+// radians of its plane. Faces that cross are cut along their crossing by the scene BSP, and
 // are no special case.
 #pragma once
 

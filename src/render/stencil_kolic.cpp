@@ -12,7 +12,7 @@
 // test once, not twice, and what that leaves in the stencil buffer makes a shadow of the next
 // volume in front, which two sides should have left as it was. Section 3.2's mask is also the mask
 // of the comparison. Nothing is said of a camera within a volume: only one side of it is then seen,
-// and what lies in it comes out wrong (tests/render_test.cpp has the case).
+// and what lies in it comes out wrong (tests/system/render_test.cpp has the case).
 #include "technique.hpp"
 
 namespace shadowcut::render {

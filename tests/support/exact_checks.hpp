@@ -15,13 +15,10 @@ namespace shadowcut::testing {
 //     caster;
 //   2. every fragment, as its constructions have it, is convex, runs counter-clockwise as the light
 //     sees it and has an area;
-//   3. the fragments of a facet cover its region once, and the lit ones the oracle's lit region
-//     once: the same points, and so the same
-//   areas,
-//      as fractions;
-//   4. every corner is within one ulp of the exact corner in every coordinate; one on the ray of a
-//     vertex of its own facet, however it was
-//      made, is that vertex, to the bit;
+//   3. the fragments of a facet cover its region once, and the lit fragments cover the oracle's lit
+//      region once: the same points, and so the same areas, as fractions;
+//   4. every corner is within one ulp of the exact corner in every coordinate; a corner on the ray
+//      of a vertex of its own facet, however it was made, is that vertex, to the bit;
 //   5. in the middle of every fragment, found in space and not in light space, light arrives or not
 //     as the fragment says, and its caster is
 //      (Form::pieces), or shares its object with (other forms), a face that casts there;
