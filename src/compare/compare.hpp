@@ -41,7 +41,7 @@ struct Fragment {
 };
 
 // What one light makes of the scene. Every light's input is the fragments of the light before
-// (Slater 1992, section 3); unordered casts each light anew.
+// (Slater 1992, section 3); unordered casts each light by itself.
 struct Result {
   // by index into Scene::faces(); away and out_of_reach: shadowed whole, without a fragment
   std::vector<FaceArea> areas;

@@ -59,8 +59,8 @@ struct Halves {
 };
 Halves split(const Polygon& polygon, const Standing& standing, Carrier cut);
 
-// Leaves of the polygon what is in front of a shadow plane, and hands out the rest, if that is
-// asked for and there are two parts. False, and nothing done, where none of it is in front.
+// Cuts a polygon down to its part in front of a shadow plane. `rest`, if not null, gets the other
+// part where there are two parts. False, and the polygon stays, if no part is in front.
 bool keep_front(Polygon& polygon, const HalfSpace& plane, double tolerance,
                 std::vector<Polygon>* rest = nullptr);
 

@@ -27,7 +27,7 @@
 //     occlusion.
 //   - Nodes know their parents. So marked nodes are found from the location lists, and no pass over
 //     the whole tree is needed (3.1).
-//   - Shadows are not kept but reckoned when areas are asked for, by filtering each face down the
+//   - Shadows are not kept but computed when areas are asked for, by filtering each face down the
 //     finished tree.
 //   - Faces that receive and do not cast are filtered down, then, and stand nowhere in the tree.
 #pragma once

@@ -241,7 +241,7 @@ class Tiling : public ShadowVolumes {
   std::vector<std::int32_t> heads_;  // by grid, row, column
   std::vector<Entry> entries_;
   std::vector<Volume> volumes_;
-  // Of the polygon at hand.
+  // Of the present polygon.
   std::vector<Homogeneous> seen_, clipped_;
   std::vector<Row> rows_;
   std::vector<Tile> tiles_;

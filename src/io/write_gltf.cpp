@@ -225,7 +225,7 @@ class Writer {
   const Pieces& pieces_;
   ordered_json document_;
   std::string positions_, indices_;  // the two halves of the buffer
-  VertexPool pool_;                  // of the object at hand
+  VertexPool pool_;                  // of the present object
   std::vector<std::uint32_t> fan_;
 };
 

@@ -1,5 +1,5 @@
 // The engine's own fragments: those that a light reaches are drawn, the others are not. There is no
-// shadow pass; after an edit only what Engine::update() hands out is uploaded.
+// shadow pass; after an edit only the fragments emitted by Engine::update() are uploaded.
 //
 // The conforming form: the rasteriser would leave cracks at T-junctions. The ambient picture below
 // them is made of whole faces, so fragments are drawn a little in front of it.

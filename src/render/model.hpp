@@ -58,8 +58,8 @@ class Model {
  public:
   explicit Model(const Scene& scene);
 
-  // Uploads again what an object's motion changed; another number of facets anywhere makes all
-  // anew.
+  // Uploads the vertices that an object's motion changed. If the number of facets of any object has
+  // changed, uploads everything.
   void scene_changed(const Scene& scene);
 
   void set_wind(const Wind& wind) { wind_ = wind; }

@@ -135,11 +135,11 @@ void ShadowTexture::update_textures(Lit& lit, const Light& light) {
   const bool all = views.afresh() || !choices_.coherence;
   lit.receivers.resize(views.object_count());
   for (std::uint32_t object = 0; object < views.object_count(); ++object) {
-    const bool anew = views.afresh() || views.moves(object);
-    if (anew) lit.receivers[object] = find_receivers(lit, light, object);
+    const bool again = views.afresh() || views.moves(object);
+    if (again) lit.receivers[object] = find_receivers(lit, light, object);
     for (const Receiver& receiver : lit.receivers[object])
       for (const Image& image : receiver.images)
-        if (all || anew || views.disturbed(image.view, image.extent))
+        if (all || again || views.disturbed(image.view, image.extent))
           make_texture_of(lit, object, receiver, image);
   }
 }

@@ -16,7 +16,7 @@ class ShadowTexture : public Technique {
   };
   struct Choices {
     Method method = Method::sz_buffer;
-    // section 3; without it every buffer and texture is made anew in every frame
+    // section 3; without it every buffer and texture is made again in every frame
     bool coherence = true;
     int side = 2048;  // pixels of a light's view
   };

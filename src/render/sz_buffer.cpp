@@ -273,7 +273,7 @@ void SzBuffer::draw_views(const Draw& draw_view) {
 }
 
 void SzBuffer::update() {
-  if (views_.afresh() || layers_.size() != views_.size()) return make_anew();
+  if (views_.afresh() || layers_.size() != views_.size()) return make_all();
   draw_views([this](std::size_t view) {
     erase(view);
     draw_uncovered(view);
@@ -282,7 +282,7 @@ void SzBuffer::update() {
   });
 }
 
-void SzBuffer::make_anew() {
+void SzBuffer::make_all() {
   draw_views([this](std::size_t view) {
     glClear(GL_DEPTH_BUFFER_BIT);
     for (std::uint32_t object = 0; object < views_.object_count(); ++object)

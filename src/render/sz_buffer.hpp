@@ -113,7 +113,7 @@ class SzBuffer {
   // Brings it to the frame to which the views have been advanced: once for each.
   void update();
   // The same from nothing; and the rendering buffer alone, for who wants no coherence.
-  void make_anew();
+  void make_all();
   void make_rendering();
 
   GLuint depths(std::size_t view) const { return layers_[view].rendering.get(); }

@@ -1,6 +1,6 @@
 // libFuzzer: bytes make a small scene and a history of edits. All coordinates are multiples of an
 // eighth, mostly whole, so that everything degenerate happens, and exactly. After every update the
-// trees must be valid, areas those of shadows cast again, and the changes handed out must lead from
+// trees must be valid, areas those of shadows cast again, and the changes emitted must lead from
 // the fragments before to the fragments after.
 #include <algorithm>
 #include <array>

@@ -102,12 +102,12 @@ class Check {
     }
     if (vertex)
       return complain(name(f), ": corner ", number, " is a vertex, ", text(*vertex),
-                      ", handed out as ", text(corner));
+                      ", emitted as ", text(corner));
     const Place place = oracle_.place(f.facet, ray);
     for (int axis = 0; axis < 3; ++axis) {
       if (within_one_ulp(oracle_, place, axis, corner[axis])) continue;
       return complain(name(f), ": corner ", number, " is ", text(oracle_.rounded(place)),
-                      ", handed out as ", text(corner));
+                      ", emitted as ", text(corner));
     }
   }
 

@@ -1,4 +1,4 @@
-// Updates hand out what changed, and leave the rest alone.
+// Updates emit the fragments that changed, and leave the others alone.
 #include <gtest/gtest.h>
 
 #include <array>

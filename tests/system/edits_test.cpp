@@ -1,5 +1,5 @@
 // Edits. After every update an engine must be as if it had been made for the scene as it now is:
-// regions, areas, facing; and what it hands out must be exactly what changed.
+// regions, areas, facing; and an update must report exactly the fragments that changed.
 //
 // SHADOWCUT_SOAK=n runs about n random updates instead of some ten thousand, SHADOWCUT_SEED=k other
 // ones. A failure names setting, seed, options and step; SHADOWCUT_HISTORY=seed runs that one

@@ -358,8 +358,8 @@ TEST(ExtremeSizes, SheetsOfOneVertexInEveryOrder) {
   }
 }
 
-// At the door: the ends of double's range, zeros of both signs and what is no number, among faces
-// of everyday size. Whatever is handed out is finite, and the everyday faces, out of the others'
+// Mesh import: the ends of double's range, zeros of both signs and what is no number, among faces
+// of everyday size. Whatever is emitted is finite, and the everyday faces, out of the others'
 // way, are what they are alone.
 TEST(ExtremeNumbers, OddObjectsHarmNoOther) {
   constexpr double infinity = std::numeric_limits<double>::infinity(),

@@ -1,4 +1,4 @@
-// The smallest fragment handed out (Options::min_feature).
+// The smallest fragment emitted (Options::min_feature).
 //
 // What the option promises, and what is asserted here against the result without the option, of
 // the same scene and the same edits:
@@ -10,7 +10,7 @@
 //     The areas of all other faces are the same to the bit.
 //   - In the conforming form, corners that only a fragment left out had may be gone; no more area
 //     of any face is dropped than in the merged form.
-//   - Engine::update hands out exactly the changes of all that.
+//   - Engine::update emits exactly the changes of all that.
 //
 // SHADOWCUT_SOAK=n runs about n random updates instead of some thousands, SHADOWCUT_SEED=k other
 // ones.

@@ -188,7 +188,7 @@ TEST(Render, OnlySomeCastAndReceive) {
     EXPECT_EQ(difference(picture_of(scene, technique, camera), rays).pixels, 0) << technique;
 }
 
-// The fragments' buffers are brought up to date by what an update hands out.
+// The fragments' buffers are brought up to date by what an update emits.
 TEST(Render, FragmentsFollowEdits) {
   Scene scene = scenes::build(scenes::room(1));
   const Camera camera = looking({0.4, 0.4, 2.3}, {5, 4, 0.3});

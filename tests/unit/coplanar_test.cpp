@@ -266,7 +266,7 @@ TEST(Coplanar, GroupsAreThoseOfASearchOfAll) {
 }
 
 TEST(Coplanar, MotionsChangeNothing) {
-  // with a concave face an object goes through all of the door's checks again
+  // with a concave face an object goes through all checks of the mesh import again
   for (const bool concave : {false, true}) {
     Random random(11);
     Mesh mesh = turned(brick_cube(8), random_turn(random), {0.5, 0.25, 0.125});

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "door_checks.hpp"
+#include "import_checks.hpp"
 #include "scenes.hpp"
 
 namespace shadowcut::testing {

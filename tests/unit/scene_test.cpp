@@ -5,7 +5,7 @@
 #include <limits>
 #include <set>
 
-#include "door_checks.hpp"
+#include "import_checks.hpp"
 #include "random_scenes.hpp"
 #include "scenes.hpp"
 

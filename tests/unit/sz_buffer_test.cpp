@@ -162,7 +162,7 @@ TEST(SzBuffer, OfADirectionalLightIsKeptToTheBit) {
   keep_up(Light::directional(Vec3(0.3, 0.2, -1)), 2);
 }
 
-TEST(SzBuffer, IsMadeAnewWhenItsLightMovesOrTheSceneOutgrowsIt) {
+TEST(SzBuffer, IsMadeAgainWhenItsLightMovesOrTheSceneOutgrowsIt) {
   const render::OffscreenContext context;
   Company company(3, Light::directional(Vec3(0.3, 0.2, -1)), 10);
   Model model(company.scene);

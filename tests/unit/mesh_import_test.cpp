@@ -1,4 +1,4 @@
-// The door: every reason to refuse or repair a face, with the object and face it names.
+// Mesh import: every reason to refuse or repair a face, with the object and face that it names.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <set>
 #include <shadowcut/shadows.hpp>
 
-#include "door_checks.hpp"
+#include "import_checks.hpp"
 #include "scenes.hpp"
 
 namespace shadowcut::testing {
@@ -15,7 +15,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(),
                  kInfinity = std::numeric_limits<double>::infinity();
 
-TEST(Door, GoodFacesHaveNoIssue) {
+TEST(MeshImport, GoodFacesHaveNoIssue) {
   const Scene scene = second(scenes::box({0, 0, 0}, {1, 2, 3}));
   EXPECT_TRUE(scene.issues().empty());
   EXPECT_EQ(scene.objects()[1].name, "it");
@@ -23,7 +23,7 @@ TEST(Door, GoodFacesHaveNoIssue) {
   EXPECT_EQ(scene.objects()[1].vertex_count, 8u);
 }
 
-TEST(Door, NonFinite) {
+TEST(MeshImport, NonFinite) {
   for (const double bad : {kNaN, kInfinity, -kInfinity})
     for (int axis = 0; axis < 3; ++axis) {
       Vec3 v(1, 1, 0);
@@ -32,13 +32,13 @@ TEST(Door, NonFinite) {
     }
 }
 
-TEST(Door, UnusedNonFiniteVertexHarmsNothing) {
+TEST(MeshImport, UnusedNonFiniteVertexHarmsNothing) {
   Mesh mesh = scenes::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   mesh.vertices.emplace_back(kNaN, 0, 0);
   EXPECT_TRUE(second(mesh).issues().empty());
 }
 
-TEST(Door, IndexOutOfRange) {
+TEST(MeshImport, IndexOutOfRange) {
   for (const std::uint32_t bad : {4u, 1000u, 0xFFFFFFFFu}) {
     Mesh mesh = scenes::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
     mesh.add_face({0, 1, bad});
@@ -47,7 +47,7 @@ TEST(Door, IndexOutOfRange) {
   }
 }
 
-TEST(Door, IndexOutOfRangeInAHole) {
+TEST(MeshImport, IndexOutOfRangeInAHole) {
   Mesh mesh = scenes::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   mesh.add_face({3, 2, 1, 0});
   constexpr std::array<std::uint32_t, 3> hole{0, 1, 77};
@@ -55,7 +55,7 @@ TEST(Door, IndexOutOfRangeInAHole) {
   expect_issue(mesh, 1, Reason::index_out_of_range);
 }
 
-TEST(Door, TooFewCorners) {
+TEST(MeshImport, TooFewCorners) {
   expect_issue(between_good({}), 1, Reason::too_few_corners);
   expect_issue(between_good({{0, 0, 0}}), 1, Reason::too_few_corners);
   expect_issue(between_good({{0, 0, 0}, {1, 0, 0}}), 1, Reason::too_few_corners);
@@ -64,25 +64,25 @@ TEST(Door, TooFewCorners) {
                Reason::too_few_corners);
 }
 
-TEST(Door, ZeroArea) {
+TEST(MeshImport, ZeroArea) {
   expect_issue(between_good({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}), 1, Reason::zero_area);
   expect_issue(between_good({{0, 0, 0}, {1, 0, 0}, {3, 0, 0}, {2, 0, 0}}), 1, Reason::zero_area);
 }
 
-TEST(Door, ThinButNotZero) {
+TEST(MeshImport, ThinButNotZero) {
   const Scene scene = second(polygon({{0, 0, 0}, {1, 0, 0}, {0, 1e-9, 0}}));
   EXPECT_TRUE(scene.issues().empty());
   EXPECT_NEAR(scene.faces()[1].area, 0.5e-9, 1e-18);
 }
 
-TEST(Door, BowTie) {
+TEST(MeshImport, BowTie) {
   expect_issue(between_good({{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 1, 0}}), 1,
                Reason::self_intersecting);
 }
 
 // Touching is not crossing: such outlines come out of bridges to holes. They are cut as what they
 // enclose.
-TEST(Door, OutlineTouchesItself) {
+TEST(MeshImport, OutlineTouchesItself) {
   // corner on edge
   const Scene edge = second(between_good({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0, 0}, {0, 4, 0}}));
   EXPECT_TRUE(edge.issues().empty());
@@ -102,7 +102,7 @@ TEST(Door, OutlineTouchesItself) {
 }
 
 // Passing through a corner or along an edge of its own, an outline can run round a place twice.
-TEST(Door, OutlineRunsRoundTwice) {
+TEST(MeshImport, OutlineRunsRoundTwice) {
   expect_issue(
       between_good({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, 0, 0}, {2, 1, 0}, {1, 2, 0}}),
       1, Reason::self_intersecting);
@@ -111,12 +111,12 @@ TEST(Door, OutlineRunsRoundTwice) {
       1, Reason::self_intersecting);
 }
 
-TEST(Door, OutlineTurnsBackOnItself) {
+TEST(MeshImport, OutlineTurnsBackOnItself) {
   expect_issue(between_good({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {2, 4, 0}, {2, 2, 0.0}, {0, 2, 0}}),
                1, Reason::self_intersecting);
 }
 
-TEST(Door, HoleLeavesTheOutline) {
+TEST(MeshImport, HoleLeavesTheOutline) {
   Mesh crossing = polygon({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}});
   add_hole(crossing, {{3, 1, 0}, {5, 1, 0}, {5, 2, 0}, {3, 2, 0}});
   expect_issue(crossing, 0, Reason::self_intersecting);
@@ -125,7 +125,7 @@ TEST(Door, HoleLeavesTheOutline) {
   expect_issue(outside, 0, Reason::self_intersecting);
 }
 
-TEST(Door, HolesCrossOrNest) {
+TEST(MeshImport, HolesCrossOrNest) {
   Mesh crossing = polygon({{0, 0, 0}, {9, 0, 0}, {9, 9, 0}, {0, 9, 0}});
   add_hole(crossing, {{1, 1, 0}, {5, 1, 0}, {5, 5, 0}, {1, 5, 0}});
   add_hole(crossing, {{3, 3, 0}, {7, 3, 0}, {7, 7, 0}, {3, 7, 0}});
@@ -136,7 +136,7 @@ TEST(Door, HolesCrossOrNest) {
   expect_issue(nested, 0, Reason::self_intersecting);
 }
 
-TEST(Door, Duplicate) {
+TEST(MeshImport, Duplicate) {
   Mesh mesh = scenes::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   mesh.add_face({0, 1, 2, 3});
   expect_issue(mesh, 1, Reason::duplicate);
@@ -145,19 +145,19 @@ TEST(Door, Duplicate) {
   expect_issue(rotated, 1, Reason::duplicate);
 }
 
-TEST(Door, DuplicateByPositionNotByIndex) {
+TEST(MeshImport, DuplicateByPositionNotByIndex) {
   Mesh mesh = scenes::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   scenes::append(mesh, scenes::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
   expect_issue(mesh, 1, Reason::duplicate);
 }
 
-TEST(Door, OppositeFaceIsNoDuplicate) {
+TEST(MeshImport, OppositeFaceIsNoDuplicate) {
   Mesh mesh = scenes::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   mesh.add_face({3, 2, 1, 0});
   EXPECT_TRUE(second(mesh).issues().empty());
 }
 
-TEST(Door, RepeatedCornerIsRepaired) {
+TEST(MeshImport, RepeatedCornerIsRepaired) {
   const Mesh mesh = between_good({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}});
   expect_issue(mesh, 1, Reason::repeated_corner);
   const Scene scene = second(mesh);
@@ -165,7 +165,7 @@ TEST(Door, RepeatedCornerIsRepaired) {
   expect_facets_tile(scene, 2, 0.5);
 }
 
-TEST(Door, NegativeZeroIsZero) {
+TEST(MeshImport, NegativeZeroIsZero) {
   Mesh mesh = polygon({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   mesh.vertices.emplace_back(-0.0, 0, -0.0);
   mesh.add_face({3, 2, 1});
@@ -173,7 +173,7 @@ TEST(Door, NegativeZeroIsZero) {
   EXPECT_EQ(scene.objects()[1].vertex_count, 3u);
 }
 
-TEST(Door, NotFlatIsTriangulated) {
+TEST(MeshImport, NotFlatIsTriangulated) {
   const Mesh mesh = between_good({{0, 0, 0}, {1, 0, 0.1}, {1, 1, 0}, {0, 1, 0.1}});
   expect_issue(mesh, 1, Reason::not_flat);
   const Scene scene = second(mesh);
@@ -190,7 +190,7 @@ TEST(Door, NotFlatIsTriangulated) {
   EXPECT_NEAR(face.area, area, 1e-15);
 }
 
-TEST(Door, FlatnessToleranceIsAShareOfTheDiameter) {
+TEST(MeshImport, FlatnessToleranceIsAShareOfTheDiameter) {
   const Mesh flat_enough = polygon({{0, 0, 0}, {1000, 0, 2e-4}, {1000, 1000, 0}, {0, 1000, 2e-4}});
   EXPECT_TRUE(second(flat_enough).issues().empty());
   expect_issue(polygon({{0, 0, 0}, {1, 0, 2e-4}, {1, 1, 0}, {0, 1, 2e-4}}), 0, Reason::not_flat);
@@ -200,7 +200,7 @@ TEST(Door, FlatnessToleranceIsAShareOfTheDiameter) {
   EXPECT_TRUE(lenient.issues().empty());
 }
 
-TEST(Door, SeveralIssuesAreAllListed) {
+TEST(MeshImport, SeveralIssuesAreAllListed) {
   Mesh mesh = scenes::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   mesh.add_face({0, 1});
   mesh.add_face({0, 1, 99});
@@ -217,7 +217,7 @@ TEST(Door, SeveralIssuesAreAllListed) {
   }
 }
 
-TEST(Door, RefusedFacesStayShadowless) {
+TEST(MeshImport, RefusedFacesStayShadowless) {
   Mesh mesh = scenes::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   mesh.add_face({0, 1});
   const Scene scene = second(mesh);
@@ -226,7 +226,7 @@ TEST(Door, RefusedFacesStayShadowless) {
   EXPECT_EQ(shadows.areas[2].area, 0);
 }
 
-TEST(Door, OnlyFlatAndRepeatedAreRepairs) {
+TEST(MeshImport, OnlyFlatAndRepeatedAreRepairs) {
   EXPECT_FALSE(refuses(Reason::not_flat));
   EXPECT_FALSE(refuses(Reason::repeated_corner));
   for (const Reason r : {Reason::non_finite, Reason::index_out_of_range, Reason::too_few_corners,

@@ -1,5 +1,5 @@
-// See door_checks.hpp.
-#include "door_checks.hpp"
+// See import_checks.hpp.
+#include "import_checks.hpp"
 
 #include <gtest/gtest.h>
 
