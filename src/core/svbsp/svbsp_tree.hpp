@@ -21,9 +21,12 @@
 // where it lies on a node of its own object (or of the k-d tree, which stays): whatever removes
 // that node then knows the edge.
 //
-// This class is the data structure and the steps that keep its links right. The algorithms are
-// insert(), remove() and, within remove.cpp, join.hpp. The tree knows nothing about fragments: an
-// edit leaves a log, and the keeper of the fragments reads it.
+// SvbspTree is the data structure, with the steps that keep its links right. The algorithms are
+// insert() (insert.cpp), remove() (remove.cpp) and join() (join.cpp). The tree knows nothing about
+// fragments: an edit leaves a log, and the fragment store reads it.
+//
+// The class has more than 25 functions because every step that changes a link is a member; the
+// algorithms, its pieces (PieceStore) and its own lines (LocalLines) are elsewhere.
 #pragma once
 
 #include <cstdint>
