@@ -20,6 +20,7 @@ double unit_for(double area) {
 void AreaLedger::note_first(std::uint32_t face) {
   const std::size_t faces = context_.scene.faces().size();
   if (noted_in_.size() < faces) noted_in_.resize(faces, 0);
+  SHADOWCUT_ASSERT(face < noted_in_.size());
   noted_in_[face] = update_;
   noted_.push_back({face, face < areas_.size() ? areas_[face] : FaceArea{}});
 }
@@ -122,6 +123,7 @@ void AreaLedger::absorb(const FragmentStore::AreaChange& change) {
 
 // A face's areas from its units.
 void AreaLedger::measure(std::uint32_t face) {
+  SHADOWCUT_ASSERT(units_[face].lit >= 0 && units_[face].shadowed >= 0);
   const auto area = [](Count count, double unit) {
     const auto short_count = static_cast<std::int64_t>(count);  // nearly always the same number
     return (short_count == count ? static_cast<double>(short_count) : static_cast<double>(count)) *
@@ -135,6 +137,7 @@ void AreaLedger::measure(std::uint32_t face) {
 
 void AreaLedger::count_face(const FaceArea& before, const FaceArea& now) {
   const bool was = before.facing == Facing::toward, is = now.facing == Facing::toward;
+  SHADOWCUT_ASSERT(stats_.facing_faces + is >= was);
   stats_.facing_faces += is, stats_.facing_faces -= was;
   const auto count = [&](ExactSum& sum, double FaceArea::*area) {
     const double old = was ? before.*area : 0, fresh = is ? now.*area : 0;

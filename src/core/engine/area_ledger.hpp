@@ -19,6 +19,7 @@ class AreaLedger {
       : context_(context), areas_(areas), stats_(stats) {}
 
   void begin_update() {
+    SHADOWCUT_ASSERT(update_ + 1 != 0);
     ++update_;
     noted_.clear();
   }

@@ -46,6 +46,8 @@ void CellStatistics::add(const Sums& n, bool more) {
   s.by_filter = s.predicates - s.by_identity - s.by_exact;
   add(s.joined, n.joined), add(s.deferred, n.deferred), add(s.cells_built_again, n.rebuilds);
   add(s.bytes, n.bytes);
+  SHADOWCUT_ASSERT(s.nodes == s.sp_nodes + s.pp_nodes &&
+                   s.predicates >= s.by_identity + s.by_exact);
 }
 
 }  // namespace shadowcut

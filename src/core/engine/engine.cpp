@@ -65,8 +65,7 @@ struct Engine::Impl {
     return lights[light];
   }
   void require_whole() const {
-    if (broken)
-      throw Error("the engine ran out of memory during an update: call compact()");
+    if (broken) throw Error("the engine ran out of memory during an update: call compact()");
   }
 
   // Before anything is touched.

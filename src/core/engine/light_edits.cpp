@@ -111,6 +111,7 @@ void LightState::remove_objects(std::span<const std::uint32_t> objects) {
 
 void LightState::insert_objects(std::span<const std::uint32_t> objects) {
   tables_.refer_to(scene_);
+  SHADOWCUT_ASSERT(edited_);
   if (!suits_light_space(objects)) return rebuild(Light(light_));
   grow();
   std::vector<std::uint32_t> alive;
@@ -195,9 +196,11 @@ void LightState::prepare_objects(std::span<const std::uint32_t> objects) {
 // Inserts parts of facets into the cells, and emits what has changed since objects were removed.
 void LightState::insert_into_cells(std::span<const FacetId> order) {
   const FacetParts parts = grid_.filter(order);
+  SHADOWCUT_ASSERT(parts.list.size() >= order.size());
   std::vector<EntryId> entries(parts.list.size());
   for (const FacetParts::Part& part : parts.list) batch_.push_back(part.cell);
   sort_unique(batch_);
+  SHADOWCUT_ASSERT(std::is_sorted(batch_.begin(), batch_.end()));
   edit_cells(batch_, parts.list.size(), [&](CellId c, std::size_t) {
     Workspace& w = workspaces_.local();
     SvbspTree& tree = grid_[c];

@@ -36,6 +36,7 @@ void RebuildPolicy::note_removal(CellId id, const SvbspTree& tree, std::size_t p
 
 void RebuildPolicy::note_mover(CellId id, std::uint32_t object, std::uint32_t update) {
   Cell& cell = cells_[id.value()];
+  SHADOWCUT_ASSERT(cell.movers.size() <= movers_remembered);
   ++cell.edits;
   auto& movers = cell.movers;
   const auto known = std::find_if(movers.begin(), movers.end(),
@@ -92,6 +93,7 @@ void RebuildPolicy::note_rebuilt(CellId id, const SvbspTree& tree) {
   Cell& cell = cells_[id.value()];
   cell.backoff = cell.changes_of_mover == 0 ? std::min(cell.backoff + 1, largest_backoff) : 0;
   note_built(id, tree);
+  SHADOWCUT_ASSERT(cell.edits == 0 && !cell.shattered);
   ++cell.rebuilds;
 }
 

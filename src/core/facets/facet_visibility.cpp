@@ -120,6 +120,7 @@ Cone* FacetVisibility::cone_of(FacetId facet, ConePool& pool) const {
   cone->facet = facet;
   cone->error = 0;
   const std::uint32_t object = tables_.object_of(facet);
+  SHADOWCUT_ASSERT(enters(facet));
   const bool ahead = forward(facet);
   for (std::uint32_t k = 0; k < n; ++k) {
     const std::uint32_t i = ahead ? k : n - 1 - k;

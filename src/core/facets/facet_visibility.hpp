@@ -31,9 +31,15 @@ class FacetVisibility {
   void grow();  // to the size of the scene
 
   // How the side of a facet that counts stands to the light. Only `toward` may be lit.
-  Facing facing(FacetId f) const { return facing_[f.value()]; }
+  Facing facing(FacetId f) const {
+    SHADOWCUT_ASSERT(f.value() < facing_.size());
+    return facing_[f.value()];
+  }
   Orientation orientation(FacetId f) const { return orientation_[f.value()]; }
-  bool enters(FacetId f) const { return enters_[f.value()]; }
+  bool enters(FacetId f) const {
+    SHADOWCUT_ASSERT(f.value() < enters_.size());
+    return enters_[f.value()];
+  }
   std::size_t entered() const;
   // The far wall of a solid that the light is inside: it casts, and its own side is dark.
   bool blocks_only(FacetId f) const { return blocks_only_[f.value()]; }

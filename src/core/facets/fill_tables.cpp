@@ -3,8 +3,8 @@
 namespace shadowcut {
 namespace {
 
-void set_line(const Scene& scene, const LightSpace& space, std::uint32_t object,
-              std::uint32_t edge, LightTables& tables) {
+void set_line(const Scene& scene, const LightSpace& space, std::uint32_t object, std::uint32_t edge,
+              LightTables& tables) {
   const Edge& e = scene.edges()[edge];
   const LineId id = tables.lines.of_edge(object, edge);
   const Vec3 &a = scene.vertices()[e.a], &b = scene.vertices()[e.b];

@@ -18,7 +18,10 @@ class BranchState {
 
   constexpr bool is_lit() const { return *this == lit(); }
   constexpr bool is_mixed() const { return *this == mixed(); }
-  constexpr std::uint32_t caster() const { return bits_; }  // none if lit; not of a mixed one
+  constexpr std::uint32_t caster() const {
+    SHADOWCUT_ASSERT(!is_mixed());
+    return bits_;
+  }  // none if lit; not of a mixed one
   friend constexpr bool operator==(BranchState, BranchState) = default;
 
  private:
@@ -35,6 +38,7 @@ inline bool is_alike(const Scene& scene, BranchState a, BranchState b) {
 }
 
 inline BranchState shadow_of(const SvbspTree& tree, NodeId pp) {
+  SHADOWCUT_ASSERT(tree.is_pp(pp));
   return BranchState::shadowed_by(tree.tables().face_of(tree.owner_facet(pp)));
 }
 
@@ -60,7 +64,10 @@ class BranchStates {
   // Computes one state from the sides of the node. True: it has changed.
   bool update(const SvbspTree& tree, const Scene& scene, NodeId sp);
   void grow(const SvbspTree& tree) { states_.resize(tree.nodes().size(), BranchState::mixed()); }
-  void forget(NodeId node) { states_[node.value()] = BranchState::mixed(); }
+  void forget(NodeId node) {
+    SHADOWCUT_ASSERT(node.value() < states_.size());
+    states_[node.value()] = BranchState::mixed();
+  }
   void clear() { states_.clear(); }
   std::size_t size() const { return states_.size(); }
 

@@ -193,6 +193,7 @@ void CellFragments::link(std::uint32_t index, const FragmentId& id) {
 // A fragment's record has come to another index.
 void CellFragments::relink(std::uint32_t index, const FragmentId& id) {
   const Record& r = records_[index];
+  SHADOWCUT_ASSERT(id.piece < of_piece_.size());
   if (r.of_piece_next != none) records_[r.of_piece_next].of_piece_previous = index;
   (r.of_piece_previous != none ? records_[r.of_piece_previous].of_piece_next
                                : of_piece_[id.piece]) = index;
@@ -251,6 +252,7 @@ void CellFragments::add(const SvbspTree& tree, PieceId piece, std::uint32_t plac
       {id, face, facet.value(), state.caster(), first, count, state.is_lit(), area});
   records_.push_back({none, none, none, none, update_, not_yet});
   link(static_cast<std::uint32_t>(records_.size() - 1), id);
+  SHADOWCUT_ASSERT(find(id) == records_.size() - 1);
   born_.push_back(id);
   area_changes_.push_back({face, state.is_lit(), true, area});
 }
@@ -272,6 +274,7 @@ void CellFragments::list_added(std::vector<LightChanges::Added>& out) {
   for (const FragmentId& id : born_) {
     const std::uint32_t f = find(id);
     if (f == none || records_[f].born != update_ || records_[f].listed == update_) continue;
+    SHADOWCUT_ASSERT(block_->fragments[f].id == id);
     records_[f].listed = update_;
     out.push_back({id, f});
   }

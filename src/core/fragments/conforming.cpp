@@ -216,6 +216,7 @@ void insert_corners(Block& block, const std::vector<std::vector<Insertion>>& ins
       for (; inserted != insertions[i].end() && inserted->corner == k; ++inserted) put(inserted->x);
     }
     while (corners.size() > first + 1 && corners.back() == corners[first]) corners.pop_back();
+    SHADOWCUT_ASSERT(inserted == insertions[i].end());
     f.first_corner = first;
     f.corner_count = static_cast<std::uint32_t>(corners.size()) - first;
     if (f.corner_count < 3) corners.resize(first);

@@ -39,10 +39,16 @@ class MarkedWays {
     std::uint32_t& m = marks_[place.value()];
     if (m < way()) m = way();
   }
-  void mark_all(Place place) { marks_[place.value()] = way() + 1; }
+  void mark_all(Place place) {
+    SHADOWCUT_ASSERT(place.value() < marks_.size());
+    marks_[place.value()] = way() + 1;
+  }
 
  private:
-  std::uint32_t mark(Place place) const { return marks_[place.value()]; }
+  std::uint32_t mark(Place place) const {
+    SHADOWCUT_ASSERT(place.value() < marks_.size());
+    return marks_[place.value()];
+  }
   std::vector<std::uint32_t> marks_;  // by place
   std::uint32_t round_ = 0;
 };

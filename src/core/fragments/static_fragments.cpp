@@ -73,6 +73,7 @@ class MergingSink {
 
   // Emits what is still held.
   void release() {
+    SHADOWCUT_ASSERT(held_.empty() || held_facet_.valid());
     for (const Held& h : held_) {
       emit(held_facet_, std::span<const ConeCorner>(held_corners_).subspan(h.first, h.count),
            h.piece, h.place, h.state);
@@ -110,6 +111,7 @@ class MergingSink {
 
   void emit(FacetId facet, std::span<const ConeCorner> cone, PieceId piece, std::uint32_t place,
             BranchState state) {
+    SHADOWCUT_ASSERT(!state.is_mixed() && cone.size() >= 3);
     const auto count = static_cast<std::uint32_t>(cone.size());
     auto& corners = out_.block.corners;
     const std::size_t first = corners.size();

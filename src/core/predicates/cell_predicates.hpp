@@ -64,6 +64,7 @@ class CellPredicates {
       : tables_(tables), local_(local), exact_(exact) {}
 
   const Line& line(LineId id) const {
+    SHADOWCUT_ASSERT(!is_local(id) || id.value() - first_local_line < local_.size());
     return is_local(id) ? local_[id.value() - first_local_line].line : tables_.lines[id];
   }
   std::span<const VertexRay> rays() const { return tables_.rays; }

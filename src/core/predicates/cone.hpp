@@ -29,7 +29,9 @@ inline bool is_local(LineId line) { return line.value() >= first_local_line; }
 class EdgeRef {
  public:
   EdgeRef() = default;
-  EdgeRef(LineId line, bool negative) : bits_((line.value() << 2) | (negative ? 2u : 0u)) {}
+  EdgeRef(LineId line, bool negative) : bits_((line.value() << 2) | (negative ? 2u : 0u)) {
+    SHADOWCUT_ASSERT(line.value() < 1u << 30);
+  }
   LineId line() const { return LineId(bits_ >> 2); }
   bool negative() const { return bits_ & 2; }  // inside is where n.r < 0
   bool bounded() const { return bits_ & 1; }
@@ -49,6 +51,7 @@ static_assert(sizeof(ConeCorner) == 32);
 
 // The edge that comes to corner i.
 inline EdgeRef incoming(std::span<const ConeCorner> cone, std::size_t i) {
+  SHADOWCUT_ASSERT(i < cone.size());
   return cone[i == 0 ? cone.size() - 1 : i - 1].edge;
 }
 
@@ -128,6 +131,7 @@ class ConePool {
         ::operator new (64 + capacity * sizeof(ConeCorner), std::align_val_t{64});
     Cone* cone = new (block) Cone;
     cone->capacity = capacity;
+    SHADOWCUT_ASSERT(capacity % 2 == 0);
     return cone;
   }
 

@@ -10,21 +10,34 @@
 #include <vector>
 
 #include "light_space/light_space.hpp"
+#include "support/assert.hpp"
 #include "support/index.hpp"
 
 namespace shadowcut {
 
 class LineTable {
  public:
-  const Line& operator[](LineId id) const { return lines_[id.value()]; }
+  const Line& operator[](LineId id) const {
+    SHADOWCUT_ASSERT(id.value() < lines_.size());
+    return lines_[id.value()];
+  }
   std::size_t size() const { return lines_.size(); }
   // Exact kernel: two points that the line goes through.
-  const std::pair<Vec3, Vec3>& ends(LineId id) const { return ends_[id.value()]; }
+  const std::pair<Vec3, Vec3>& ends(LineId id) const {
+    SHADOWCUT_ASSERT(id.value() < ends_.size());
+    return ends_[id.value()];
+  }
 
   // One line for each edge, not computed yet. `with_ends`: for the exact kernel.
   void reset(std::size_t edges, std::size_t objects, bool with_ends);
-  void set(LineId id, const Line& line) { lines_[id.value()] = line; }
-  void set_ends(LineId id, const Vec3& a, const Vec3& b) { ends_[id.value()] = {a, b}; }
+  void set(LineId id, const Line& line) {
+    SHADOWCUT_ASSERT(id.value() < lines_.size());
+    lines_[id.value()] = line;
+  }
+  void set_ends(LineId id, const Vec3& a, const Vec3& b) {
+    SHADOWCUT_ASSERT(with_ends_ && id.value() < ends_.size());
+    ends_[id.value()] = {a, b};
+  }
 
   // The k-d tree's lines come behind the edges' lines.
   void begin_kd_lines() { first_kd_line_ = static_cast<std::uint32_t>(lines_.size()); }
@@ -38,6 +51,7 @@ class LineTable {
 
   // The line of an edge of an object, as it stands.
   LineId of_edge(std::uint32_t object, std::uint32_t edge) const {
+    SHADOWCUT_ASSERT(object < shift_.size());
     return LineId(edge + shift_[object]);
   }
   // Whether a line is the line of an edge of the object, as it stands.

@@ -39,10 +39,19 @@ class CellGrid {
         settings_(settings),
         workspaces_(workspaces) {}
 
-  const KdTree& kd_tree() const { return *kd_tree_; }
+  const KdTree& kd_tree() const {
+    SHADOWCUT_ASSERT(kd_tree_ != nullptr);
+    return *kd_tree_;
+  }
   std::size_t size() const { return cells_.size(); }
-  SvbspTree& operator[](CellId cell) { return cells_[cell.value()]; }
-  const SvbspTree& operator[](CellId cell) const { return cells_[cell.value()]; }
+  SvbspTree& operator[](CellId cell) {
+    SHADOWCUT_ASSERT(cell.value() < cells_.size());
+    return cells_[cell.value()];
+  }
+  const SvbspTree& operator[](CellId cell) const {
+    SHADOWCUT_ASSERT(cell.value() < cells_.size());
+    return cells_[cell.value()];
+  }
 
   // Divides light space by the facets' middle rays. Then builds all trees from facets in their
   // order of insertion. The result is the same for any number of threads, to the bit.

@@ -40,6 +40,7 @@ struct DescentVisitor {
 template <class Visitor>
 std::uint32_t pass_sp_node(Cone*& cone, DividingLine line, NodeId node, Workspace& w,
                            Visitor& visitor, Cone*& cut_off) {
+  SHADOWCUT_ASSERT(cone && cone->count >= 3);
   cut_off = nullptr;
   visitor.sign_tests += cone->count;
   const CornerSides sides =
@@ -71,6 +72,7 @@ void descend(const Tree& tree, Cone* first, Place from, std::uint32_t tag, Works
   while (w.pending.size() > bottom) {
     auto [cone, at, way] = w.pending.back();
     w.pending.pop_back();
+    SHADOWCUT_ASSERT(cone != nullptr);
     Place place(at);
     while (cone) {
       const auto here = tree.branch(place);

@@ -16,6 +16,7 @@ class DisplacedPieces {
 
   // Takes a piece, which is in no place any more, out of the tree.
   void take(SvbspTree& tree, PieceId piece, Place place, Workspace& w) {
+    SHADOWCUT_ASSERT(tree.pieces[piece].kind != Piece::Kind::free);
     pieces_.push_back({tree.cone_of(tree.pieces[piece], w.pool), place});
     tree.release_piece(piece);
   }

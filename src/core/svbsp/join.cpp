@@ -54,6 +54,7 @@ class Joining {
     tree_.put(place_, tree_.node(node_).child[1 - side]);
     tree_.release_node(node_, true);
     tree_.log_change(place_);
+    SHADOWCUT_ASSERT(tree_.links(node_).is_released());
     ++tree_.counts.joined;
     for (auto& half : halves_.all()) half.place = place_;
     halves_.insert(tree_, true, w_);
@@ -123,6 +124,7 @@ class Joining {
     for (const auto& [known, name] : names_) {
       if (known == line) return name;
     }
+    SHADOWCUT_ASSERT(line.valid());
     names_.emplace_back(line, tree_.add_local_copy(line));
     return names_.back().second;
   }

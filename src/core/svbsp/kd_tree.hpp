@@ -25,8 +25,14 @@ class KdTree {
     static Branch node(NodeId i) { return Branch(i.value() << 1); }
     bool is_cell() const { return bits_ & 1; }
     bool is_pp() const { return false; }
-    CellId cell() const { return CellId(bits_ >> 1); }
-    NodeId node() const { return NodeId(bits_ >> 1); }
+    CellId cell() const {
+      SHADOWCUT_ASSERT(is_cell());
+      return CellId(bits_ >> 1);
+    }
+    NodeId node() const {
+      SHADOWCUT_ASSERT(!is_cell());
+      return NodeId(bits_ >> 1);
+    }
 
    private:
     explicit Branch(std::uint32_t bits) : bits_(bits) {}
@@ -35,7 +41,10 @@ class KdTree {
 
   std::size_t cell_count() const { return cell_above_.size(); }
   std::size_t node_count() const { return nodes_.size(); }
-  std::uint32_t depth_of(CellId cell) const { return depth_[cell.value()]; }
+  std::uint32_t depth_of(CellId cell) const {
+    SHADOWCUT_ASSERT(cell.value() < depth_.size());
+    return depth_[cell.value()];
+  }
   // As descend() asks.
   Branch branch(Place place) const {
     return place.is_root() ? root_ : nodes_[place.node().value()].side[place.side()];

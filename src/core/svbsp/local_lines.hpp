@@ -15,7 +15,10 @@ class LocalLines {
   std::span<const LocalLine> all() const { return lines_; }
   std::size_t size() const { return lines_.size() - free_.size(); }
   std::size_t bytes() const { return lines_.size() * sizeof(LocalLine); }
-  const Line& line(LineId id) const { return lines_[id.value() - first_local_line].line; }
+  const Line& line(LineId id) const {
+    SHADOWCUT_ASSERT(is_local(id) && id.value() - first_local_line < lines_.size());
+    return lines_[id.value() - first_local_line].line;
+  }
 
   void clear() {
     lines_.clear();
@@ -23,6 +26,7 @@ class LocalLines {
   }
 
   LineId add(const Line& line, const LightLine& exact) {
+    SHADOWCUT_ASSERT(line.error >= 0 || line.error != line.error);
     LineId id;
     if (free_.empty()) {
       id = LineId(first_local_line + lines_.size());
@@ -57,6 +61,7 @@ class LocalLines {
     for (const LineId id : idle_) {
       std::uint32_t& uses = lines_[id.value() - first_local_line].uses;
       if (uses != 0) continue;
+      SHADOWCUT_ASSERT(is_local(id));
       uses = none;  // the list may hold the line twice
       free_.give_back(id);
     }

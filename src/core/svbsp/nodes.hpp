@@ -13,9 +13,18 @@ namespace shadowcut {
 class Branch {
  public:
   static Branch out() { return Branch(no_piece << 2); }
-  static Branch out(PieceId first) { return Branch(first.value() << 2); }
-  static Branch sp(NodeId node) { return Branch(node.value() << 2 | 1); }
-  static Branch pp(NodeId node) { return Branch(node.value() << 2 | 2); }
+  static Branch out(PieceId first) {
+    SHADOWCUT_ASSERT(first.value() < no_piece);
+    return Branch(first.value() << 2);
+  }
+  static Branch sp(NodeId node) {
+    SHADOWCUT_ASSERT(node.value() < no_piece);
+    return Branch(node.value() << 2 | 1);
+  }
+  static Branch pp(NodeId node) {
+    SHADOWCUT_ASSERT(node.value() < no_piece);
+    return Branch(node.value() << 2 | 2);
+  }
 
   bool is_out() const { return (bits_ & 3) == 0; }
   bool is_sp() const { return (bits_ & 3) == 1; }
@@ -42,11 +51,16 @@ class Place {
  public:
   constexpr Place() = default;  // the root
   constexpr explicit Place(std::uint32_t value) : value_(value) {}
-  constexpr Place(NodeId node, std::uint32_t side) : value_(node.value() * 2 + side) {}
+  constexpr Place(NodeId node, std::uint32_t side) : value_(node.value() * 2 + side) {
+    SHADOWCUT_ASSERT(node.valid() && side <= 1);
+  }
   static constexpr Place root() { return Place(); }
 
   constexpr bool is_root() const { return value_ == 0xFFFFFFFFu; }
-  constexpr NodeId node() const { return NodeId(value_ >> 1); }
+  constexpr NodeId node() const {
+    SHADOWCUT_ASSERT(!is_root());
+    return NodeId(value_ >> 1);
+  }
   constexpr std::uint32_t side() const { return value_ & 1; }
   constexpr Place other_side() const { return Place(value_ ^ 1); }
   constexpr std::uint32_t value() const { return value_; }

@@ -65,6 +65,7 @@ PieceId PieceStore::store(const Cone& cone, Piece::Kind kind, std::uint32_t at, 
   e.first = id;
   ++e.pieces;
   set_corners(piece, cone.span(), lines);
+  SHADOWCUT_ASSERT(e.first == id && piece.entry == cone.entry);
   return id;
 }
 

@@ -15,13 +15,26 @@ class PieceStore {
  public:
   std::span<const Piece> pieces() const { return pieces_; }    // free ones among them
   std::span<const Entry> entries() const { return entries_; }  // likewise
-  Piece& operator[](PieceId id) { return pieces_[id.value()]; }
-  const Piece& operator[](PieceId id) const { return pieces_[id.value()]; }
-  Entry& entry(EntryId id) { return entries_[id.value()]; }
-  const Entry& entry(EntryId id) const { return entries_[id.value()]; }
+  Piece& operator[](PieceId id) {
+    SHADOWCUT_ASSERT(id.value() < pieces_.size());
+    return pieces_[id.value()];
+  }
+  const Piece& operator[](PieceId id) const {
+    SHADOWCUT_ASSERT(id.value() < pieces_.size());
+    return pieces_[id.value()];
+  }
+  Entry& entry(EntryId id) {
+    SHADOWCUT_ASSERT(id.value() < entries_.size());
+    return entries_[id.value()];
+  }
+  const Entry& entry(EntryId id) const {
+    SHADOWCUT_ASSERT(id.value() < entries_.size());
+    return entries_[id.value()];
+  }
   std::size_t piece_count() const { return pieces_.size() - free_pieces_.size(); }
   std::size_t entry_count() const { return entries_.size() - free_entries_.size(); }
   std::span<const ConeCorner> corners(const Piece& p) const {
+    SHADOWCUT_ASSERT(p.first_corner + p.corner_count <= corners_.size());
     return std::span(corners_).subspan(p.first_corner, p.corner_count);
   }
   std::span<const ConeCorner> corners(PieceId id) const { return corners((*this)[id]); }

@@ -40,6 +40,7 @@ class Removal {
  private:
   // Owners stay, with their SP-nodes marked, until their PP-nodes go.
   void take_out_pieces(EntryId entry) {
+    SHADOWCUT_ASSERT(tree_.pieces.entry(entry).facet.valid());
     for (PieceId p = tree_.pieces.entry(entry).first; p.valid();) {
       const Piece& piece = tree_.pieces[p];
       const PieceId next = piece.after;

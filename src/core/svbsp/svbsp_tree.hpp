@@ -66,13 +66,26 @@ class SvbspTree {
   Branch branch(Place place) const {
     return place.is_root() ? root_ : node(place.node()).child[place.side()];
   }
-  const Node& node(NodeId id) const { return nodes_[id.value()]; }
-  const NodeLinks& links(NodeId id) const { return links_[id.value()]; }
-  NodeLinks& links(NodeId id) { return links_[id.value()]; }
+  const Node& node(NodeId id) const {
+    SHADOWCUT_ASSERT(id.value() < nodes_.size());
+    return nodes_[id.value()];
+  }
+  const NodeLinks& links(NodeId id) const {
+    SHADOWCUT_ASSERT(id.value() < links_.size());
+    return links_[id.value()];
+  }
+  NodeLinks& links(NodeId id) {
+    SHADOWCUT_ASSERT(id.value() < links_.size());
+    return links_[id.value()];
+  }
   std::span<const Node> nodes() const { return nodes_; }  // released ones among them
   bool is_pp(NodeId id) const { return branch(links(id).parent).is_pp(); }
-  FacetId owner_facet(NodeId pp) const { return pieces[node(pp).owner()].facet; }
+  FacetId owner_facet(NodeId pp) const {
+    SHADOWCUT_ASSERT(pieces[node(pp).owner()].kind == Piece::Kind::owner);
+    return pieces[node(pp).owner()].facet;
+  }
   DividingLine dividing_line(NodeId sp) const {
+    SHADOWCUT_ASSERT(!links(sp).is_released());
     const Node& n = node(sp);
     return {n.n, n.error, n.line()};
   }
