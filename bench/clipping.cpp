@@ -50,9 +50,9 @@ class Clipping {
 
  private:
   Vec3 seen(const Vec3& x) const {
-    const Vec3& at = lighting_.light().at;
-    if (lighting_.light().kind == Light::Kind::point) return (x - at).normalized();
-    const Vec3 d = at.stableNormalized();
+    const Light& light = lighting_.light();
+    if (light.kind == Light::Kind::point) return (x - light.position).normalized();
+    const Vec3 d = light.direction.stableNormalized();
     return x - d * d.dot(x);
   }
 
@@ -89,8 +89,9 @@ class Clipping {
   }
 
   ClipperLib::IntPoint projected(const Vec3& x, const HalfSpace& plane) const {
-    const bool point = lighting_.light().kind == Light::Kind::point;
-    const Vec3 travel = point ? Vec3(x - lighting_.light().at) : lighting_.light().at;
+    const Light& light = lighting_.light();
+    const Vec3 travel =
+        light.kind == Light::Kind::point ? Vec3(x - light.position) : light.direction;
     const Vec3 on_plane = x - travel * (plane.above(x) / plane.normal.dot(travel)) - origin_;
     return {std::llround(u_.dot(on_plane) / unit_), std::llround(v_.dot(on_plane) / unit_)};
   }

@@ -19,8 +19,8 @@
 //                         which give areas only
 //   area_error            sum over faces of | lit area - exact lit area |; never more than the
 //                         above
-//   undecided_area        of kernel fast: the sum of Engine::undecided, which bounds the true error;
-//                         and the faces whose areas are off by more than their own share of it
+//   undecided_area        of kernel fast: the sum of Engine::uncertain_area, which bounds the true
+//                         error; and the faces whose areas are off by more than their own share of it
 //   dropped_area          with a smallest feature: what is neither lit nor shadowed
 //   wrong faces           lit (over 1e-6 of the face) although wholly shadowed (to 1e-9), and the
 //                         reverse; and missed: a lit or shadowed part of over a hundredth of the
@@ -166,7 +166,7 @@ std::vector<Setting> settings(double mean_face, Light::Kind light) {
                 {{"kernel", "exact"}, {"form", "pieces"}, {"order", "random"}},
                 {}};
   floor.options = single_thread(Kernel::exact, Form::pieces);
-  floor.options.order = Order::random;
+  floor.options.tuning.order = Order::random;
   all.push_back(floor);
   return all;
 }
@@ -189,11 +189,11 @@ auto quickest(const Job& job) {
 // ---- errors
 
 // Of the very tree that the one-off call makes, by face. Its time is in no row.
-std::vector<double> undecided(const Scene& scene, Options options) {
-  options.edits = false;
+std::vector<double> uncertain_area(const Scene& scene, Options options) {
+  options.tuning.incremental = false;
   Engine engine(scene, options);
   engine.update();
-  return engine.undecided(0);
+  return engine.uncertain_area(0);
 }
 
 class Errors {
@@ -243,7 +243,7 @@ class Errors {
 
   // What a kernel says of its own errors, beside what they are.
   ordered_json bound(const Shadows& shadows, const Options& options) const {
-    const std::vector<double> by_face = undecided(scene_, options);
+    const std::vector<double> by_face = uncertain_area(scene_, options);
     double sum = 0;
     std::size_t beyond = 0;
     for (std::size_t f = 0; f < exact_.areas.size(); ++f) {
@@ -497,7 +497,7 @@ void move_about(Scene& scene, const Update& update) {
     const Vec3 by = 0.1 * box.diagonal().norm() * random.in_ball(1);
     const bool goes_home = random.below(10) == 0;
     const Pose pose = goes_home ? homes[i] : Eigen::Translation3d(by.x(), by.y(), 0) * object.pose;
-    if (scene.set_pose(scene.object_id(i), pose) != Edit::done) throw Error("a pose was not set");
+    if (scene.set_pose(scene.object_id(i), pose) != Status::ok) throw Error("a pose was not set");
     update();
   }
 }
@@ -506,7 +506,7 @@ void Bench::edits(const Scene& home) {
   if (home.objects().size() < 3) return;
   std::vector<std::pair<const char*, std::uint32_t>> rows;
   for (const std::uint32_t threshold : {0u, 2u, 6u, 16u}) rows.emplace_back("fast", threshold);
-  rows.emplace_back("exact", Options().join_threshold);
+  rows.emplace_back("exact", Options().tuning.join_threshold);
   Scene moved = home;
   move_about(moved, [] {});
   std::optional<Cast> exact;
@@ -515,7 +515,7 @@ void Bench::edits(const Scene& home) {
     if (!exact) exact = cast(moved, single_thread(Kernel::exact, Form::pieces));
     Options o =
         single_thread(kernel == std::string("exact") ? Kernel::exact : Kernel::fast, Form::merged);
-    o.join_threshold = threshold;
+    o.tuning.join_threshold = threshold;
     Engine fresh(moved, o);
     fresh.update();
     struct Run {

@@ -457,7 +457,7 @@ def bounds(groups):
     held = "of the whole and of every face" if not broken else "but not in " + "; ".join(broken)
     yield (
         f"Kernel `fast`: in {len(rows) - len(broken)} of {len(rows)} rows the error is within "
-        f"what `Engine::undecided` says, {held}."
+        f"what `Engine::uncertain_area` says, {held}."
     )
     loose = [
         name((r["scene"], r["light"]))
@@ -746,7 +746,7 @@ def report(groups, figure):
     yield ""
     yield "## What is undecided"
     yield ""
-    words = "Undecided: what the kernel itself says of its error, at most (`Engine::undecided`)."
+    words = "Undecided: what the kernel itself says of its error, at most (`Engine::uncertain_area`)."
     if has_smallest(groups):
         words += (
             " Then the smallest feature (`Options::min_feature`) by area, as a share of the mean "
@@ -772,7 +772,7 @@ def report(groups, figure):
     yield ""
     yield (
         "Median time of an update in microseconds, over 100 moves of objects by up to a tenth of "
-        "their size, by kernel and `Options::join_threshold`; and how far the result is then "
+        "their size, by kernel and `Options::Tuning::join_threshold`; and how far the result is then "
         "from the exact one."
     )
     yield ""

@@ -48,7 +48,7 @@ struct Arguments {
   std::size_t moves = 2000, builds = 5, long_moves = 0;
   std::uint32_t largest_city = 316, largest_spheres = 100;
   unsigned threads = 1;
-  std::uint32_t join_threshold = Options().join_threshold;
+  std::uint32_t join_threshold = Options().tuning.join_threshold;
 };
 
 double ms_between(Clock::time_point a, Clock::time_point b) {
@@ -96,7 +96,7 @@ Party party_named(const Scene& scene, const std::vector<std::string>& names) {
 
 void place(Scene& scene, const Party& party, const Vec3& by) {
   for (std::size_t i = 0; i < party.objects.size(); ++i) {
-    if (scene.set_pose(party.objects[i], Eigen::Translation3d(by) * party.homes[i]) != Edit::done)
+    if (scene.set_pose(party.objects[i], Eigen::Translation3d(by) * party.homes[i]) != Status::ok)
       throw Error("a pose was not set");
   }
 }
@@ -148,7 +148,7 @@ class Bench {
   Options options(unsigned threads) const {
     Options o;
     o.threads = threads;
-    o.join_threshold = arguments_.join_threshold;
+    o.tuning.join_threshold = arguments_.join_threshold;
     return o;
   }
   Options options() const { return options(arguments_.threads); }
@@ -323,7 +323,7 @@ void frame(Bench& bench) {
   for (const std::uint64_t c : crossings) {
     const Mesh mesh =
         pillar(static_cast<double>(1 + c % (n - 1)), static_cast<double>(1 + c / (n - 1)));
-    const ObjectId id = scene.add(mesh, {.name = "pillar." + std::to_string(c), .moves = true});
+    const ObjectId id = scene.add(mesh, {.name = "pillar." + std::to_string(c), .dynamic = true});
     party.add(scene, id.index);
   }
   for (const unsigned threads : {1u, 2u}) {
@@ -413,7 +413,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(8, 316));
   app.add_option("--largest-spheres", a.largest_spheres, "Leave out scenes with more spheres")
       ->check(CLI::Range(6, 100));
-  app.add_option("--join-threshold", a.join_threshold, "Options::join_threshold");
+  app.add_option("--join-threshold", a.join_threshold, "Options::Tuning::join_threshold");
   app.add_option("--long", a.long_moves, "Make so many moves in one engine, too");
   app.add_option("--json", a.json)->type_name("FILE");
   CLI11_PARSE(app, argc, argv);

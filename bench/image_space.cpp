@@ -108,8 +108,8 @@ struct Stage {
   double radius;
 };
 
-void require_done(Edit edit) {
-  if (edit != Edit::done) throw Error("the scene does not take an edit of the benchmark's");
+void require_done(Status edit) {
+  if (edit != Status::ok) throw Error("the scene does not take an edit of the benchmark's");
 }
 
 struct Motion {

@@ -63,7 +63,7 @@ struct Series {
 };
 
 void place(Scene& scene, ObjectId id, const Pose& home, const Vec3& by) {
-  if (scene.set_pose(id, Eigen::Translation3d(by) * home) != Edit::done)
+  if (scene.set_pose(id, Eigen::Translation3d(by) * home) != Status::ok)
     throw Error("a pose was not set");
 }
 

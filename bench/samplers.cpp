@@ -18,7 +18,7 @@ Eigen::AlignedBox3d bounds(const Scene& scene) {
 }
 
 bool casts(const Scene& scene, const Facet& facet) {
-  return facet.corner_count > 0 && scene.objects()[scene.faces()[facet.face].object].casts;
+  return facet.corner_count > 0 && scene.objects()[scene.faces()[facet.face].object].casts_shadows;
 }
 
 }  // namespace
@@ -33,8 +33,8 @@ Receivers::Receivers(const Scene& scene, const Light& light, std::span<const Fac
     for (const Facet& facet : scene.facets().subspan(face.first_facet, face.facet_count)) {
       const Plane& plane = scene.planes()[facet.plane];
       const double side = light.kind == Light::Kind::point
-                              ? plane.normal.dot(light.at - plane.point)
-                              : -plane.normal.dot(light.at);
+                              ? plane.normal.dot(light.position - plane.point)
+                              : -plane.normal.dot(light.direction);
       const auto corners = scene.corners_of(facet);
       const auto at = [&](std::size_t k) -> const Vec3& {
         return scene.vertices()[corners[k].vertex];
@@ -111,7 +111,7 @@ Rays::Rays(const RayDevice& device, const Scene& scene, const Light& light) : li
 bool Rays::is_lit(const Vec3& x, const Vec3& normal) const {
   const Vec3 from = x + normal * offset_;
   const bool is_point = light_.kind == Light::Kind::point;
-  const Vec3 along = is_point ? Vec3(light_.at - from) : Vec3(-light_.at);
+  const Vec3 along = is_point ? Vec3(light_.position - from) : Vec3(-light_.direction);
   const Eigen::Vector3f org = (from - middle_).cast<float>(), dir = along.cast<float>();
   RTCRay ray;
   ray.org_x = org.x(), ray.org_y = org.y(), ray.org_z = org.z();
@@ -168,17 +168,18 @@ void widen(Eigen::AlignedBox2d& window, double side) {
 }  // namespace
 
 ShadowMap::ShadowMap(const Scene& scene, const Light& light, std::uint32_t side)
-    : side_(side), light_(light.at) {
+    : side_(side), light_(light.position) {
   const Eigen::AlignedBox3d box = bounds(scene);
   const auto corner = [&](int k) {
     return box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k));
   };
   const bool is_point = light.kind == Light::Kind::point;
-  const Eigen::Matrix3d axes = axes_along(is_point ? Vec3(box.center() - light.at) : light.at);
+  const Eigen::Matrix3d axes =
+      axes_along(is_point ? Vec3(box.center() - light.position) : light.direction);
   Eigen::AlignedBox2d window;
   Eigen::AlignedBox1d depths;
   for (int k = 0; k < 8; ++k) {
-    const Vec3 local = axes.transpose() * (is_point ? Vec3(corner(k) - light.at) : corner(k));
+    const Vec3 local = axes.transpose() * (is_point ? Vec3(corner(k) - light.position) : corner(k));
     depths.extend(Eigen::AlignedBox1d::VectorType(local.z()));
     window.extend(is_point ? Eigen::Vector2d(local.head<2>() / local.z())
                            : Eigen::Vector2d(local.head<2>()));
@@ -195,8 +196,8 @@ ShadowMap::ShadowMap(const Scene& scene, const Light& light, std::uint32_t side)
                                         window.min().minCoeff() > -steepest &&
                                         window.max().maxCoeff() < steepest) {
     Eigen::RowVector4d weight;
-    weight << axes.col(2).transpose(), -axes.col(2).dot(light.at);
-    add_view(view_map(axes, light.at, window, {0, 0, 0, 1}, weight, side));
+    weight << axes.col(2).transpose(), -axes.col(2).dot(light.position);
+    add_view(view_map(axes, light.position, window, {0, 0, 0, 1}, weight, side));
   } else {
     for (int k = 0; k < 6; ++k) {
       const Vec3 direction = (k % 2 == 0 ? 1 : -1) * Vec3::Unit(k / 2);
@@ -204,10 +205,10 @@ ShadowMap::ShadowMap(const Scene& scene, const Light& light, std::uint32_t side)
           (Eigen::Matrix3d() << Vec3::Unit((k / 2 + 1) % 3), Vec3::Unit((k / 2 + 2) % 3), direction)
               .finished();
       Eigen::RowVector4d weight;
-      weight << direction.transpose(), -direction.dot(light.at);
+      weight << direction.transpose(), -direction.dot(light.position);
       Eigen::AlignedBox2d square(Eigen::Vector2d(-1, -1), Eigen::Vector2d(1, 1));
       widen(square, side);
-      add_view(view_map(cube_axes, light.at, square, {0, 0, 0, 1}, weight, side));
+      add_view(view_map(cube_axes, light.position, square, {0, 0, 0, 1}, weight, side));
     }
   }
   for (View& view : views_) draw(view, scene);

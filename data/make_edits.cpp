@@ -111,7 +111,7 @@ class Script {
     if (dice < 36 && !lights_.empty()) {  // through a light
       const Light& light = lights_[random_.below(lights_.size())];
       if (light.kind == Light::Kind::point)
-        return to_grid(light.at + random_.in_ball(1) * (0.3 * size) - now);
+        return to_grid(light.position + random_.in_ball(1) * (0.3 * size) - now);
     }
     if (dice < 42) {  // to where another thing was at home: standing in it, or just above it
       const Thing& other = things_[random_.below(things_.size())];
@@ -175,10 +175,11 @@ class Script {
   void move_light(std::ostream& out) {
     const std::size_t k = random_.below(lights_.size());
     Light& light = lights_[k];
-    if (light.kind == Light::Kind::point)
-      light.at += to_grid(random_.in_ball(1) * (0.02 * world_.diagonal().norm()));
-    else light.at = to_grid(Vec3(light.at.normalized() + random_.in_ball(0.25)));
-    out << "{\"op\":\"light\",\"light\":" << k << ",\"at\":" << text_of(light.at) << "}\n";
+    const bool point = light.kind == Light::Kind::point;
+    if (point) light.position += to_grid(random_.in_ball(1) * (0.02 * world_.diagonal().norm()));
+    else light.direction = to_grid(Vec3(light.direction.normalized() + random_.in_ball(0.25)));
+    out << "{\"op\":\"light\",\"light\":" << k
+        << ",\"at\":" << text_of(point ? light.position : light.direction) << "}\n";
   }
 
   const Arguments& arguments_;

@@ -21,7 +21,8 @@ std::string digits(double x) {
 }
 
 std::string spec(const shadowcut::Light& light) {
-  return "point:" + digits(light.at.x()) + "," + digits(light.at.y()) + "," + digits(light.at.z());
+  const Vec3& at = light.position;
+  return "point:" + digits(at.x()) + "," + digits(at.y()) + "," + digits(at.z());
 }
 
 std::string obj(const SceneData& data) {

@@ -96,7 +96,7 @@ function addChanges(digest, { update, applied, complete, lights }) {
 }
 
 function addCombined(digest, engine) {
-  const sets = engine.combined();
+  const sets = engine.overlay();
   digest.add(sets.fragmentCount, sets.maskWords, sets.fragments());
   digest.addBytes(sets.masks);
   digest.addBytes(sets.corners);
@@ -114,6 +114,9 @@ function addBuffers(digest, buffers, streams) {
 
 // ---- Scenes and edits ------------------------------------------------------------------------
 
+const lightOf = ({ kind, at }) =>
+  kind === 'point' ? { kind, position: at } : { kind, direction: at };
+
 // A scene that edits are applied to, as `shadowcut replay` does.
 class Player {
   constructor(job) {
@@ -123,7 +126,7 @@ class Player {
     for (const { name, positions, faces } of job.objects) {
       this.ids.set(name, this.scene.add({ positions, faces }, { name }));
     }
-    this.lights = job.lights.map((light) => ({ ...light }));
+    this.lights = job.lights.map(lightOf);
     for (const light of this.lights) this.scene.addLight(light);
   }
 
@@ -131,10 +134,11 @@ class Player {
     const { scene, ids } = this;
     const id = ids.get(object);
     if (op === 'light') {
-      this.lights[light].at = at;
+      const { kind } = this.lights[light];
+      this.lights[light] = lightOf({ kind, at });
       scene.setLight(scene.lightId(light), this.lights[light]);
     } else if (op === 'remove') {
-      this.removed.set(object, scene.given(id));
+      this.removed.set(object, scene.source(id));
       scene.remove(id);
     } else if (op === 'add') {
       const { mesh, settings } = this.removed.get(object);
@@ -182,7 +186,7 @@ function run(job) {
     addScene(digest(`scene_${when}`), engine.scene);
     player.lights.forEach((_, k) => {
       addShadows(digest(`shadows_${when}`), engine.shadows(k));
-      digest(`undecided_${when}`).add(engine.undecided(k));
+      digest(`undecided_${when}`).add(engine.uncertainArea(k));
     });
     addCombined(digest(`combined_${when}`), engine);
   };

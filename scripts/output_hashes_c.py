@@ -34,7 +34,7 @@ FUNCTIONS = {
     "scene_add_object": "scene_add_object",
     "scene_remove_object": "scene_remove_object",
     "scene_set_pose": "scene_set_pose",
-    "scene_given": "scene_given",
+    "scene_source": "scene_source",
     "scene_add_light": "scene_add_light",
     "scene_set_light": "scene_set_light",
     "scene_object_id": "scene_object_id",
@@ -75,14 +75,14 @@ FUNCTIONS = {
     "changed_areas": "engine_changed_areas",
     "engine_scene": "engine_scene",
     "engine_shadows": "engine_shadows",
-    "undecided": "engine_undecided",
+    "uncertain_area": "engine_uncertain_area",
     "validate": "engine_validate",
-    "combined": "engine_combined",
-    "sets_destroy": "light_sets_destroy",
-    "sets_count": "light_sets_count",
-    "sets_fragments": "light_sets_fragments",
-    "sets_masks": "light_sets_masks",
-    "sets_corners": "light_sets_corners",
+    "overlay": "engine_overlay",
+    "partition_destroy": "light_partition_destroy",
+    "partition_count": "light_partition_count",
+    "partition_fragments": "light_partition_fragments",
+    "partition_masks": "light_partition_masks",
+    "partition_corners": "light_partition_corners",
     "layout_init": "buffer_layout_init",
     "buffers_create": "buffers_create",
     "buffers_destroy": "buffers_destroy",
@@ -114,12 +114,12 @@ def layout(name, *members):
 
 
 Id = layout("Id", (u32, "index generation scene"))
-Settings = layout("Settings", (u32, "size"), (i32, "sides casts receives moves"),
+Settings = layout("Settings", (u32, "size"), (i32, "sides casts_shadows receives_shadows dynamic"),
                   (f64 * 16, "pose"), (c_char_p, "name"))
-Light = layout("Light", (u32, "size"), (i32, "kind"), (f64 * 3, "at"), (f64, "range"),
-               (i32, "has_spot"), (f64 * 3, "spot_axis"), (f64, "spot_half_angle"),
+Light = layout("Light", (u32, "size"), (i32, "kind"), (f64 * 3, "position direction"),
+               (f64, "range"), (i32, "has_spot"), (f64 * 3, "spot_axis"), (f64, "spot_half_angle"),
                (c_char_p, "name"))
-Object = layout("Object", (u32, "size"), (i32, "sides casts receives moves"),
+Object = layout("Object", (u32, "size"), (i32, "sides casts_shadows receives_shadows dynamic"),
                 (u32, "first_face face_count first_vertex vertex_count first_facet facet_count "
                       "first_edge edge_count aligned"),
                 (f64, "aligned_by signed_volume"), (f64 * 16, "pose"), (c_char_p, "name"))
@@ -129,9 +129,10 @@ Face = layout("Face", (u32, "object number first_facet facet_count"), (f64, "are
 Facet = layout("Facet", (u32, "face plane first_corner corner_count"))
 Pair = layout("Pair", (u32, "first second"))  # corners, edges and ranges
 Plane = layout("Plane", (f64 * 3, "normal point exact_normal"), (f64, "flatness tilt"))
-Options = layout("Options", (u32, "size"), (i32, "kernel form order"), (u64, "seed"),
-                 (u32, "threads facets_per_cell"), (f64, "min_area min_solid_angle"),
-                 (i32, "edits"), (u32, "join_threshold"), (i32, "constructions"))
+Tuning = layout("Tuning", (i32, "order"), (u64, "seed"), (u32, "facets_per_cell"),
+                (i32, "incremental"), (u32, "join_threshold"))
+Options = layout("Options", (u32, "size"), (i32, "kernel form"), (u32, "threads"),
+                 (f64, "min_area min_solid_angle"), (i32, "constructions"), (Tuning, "tuning"))
 FragmentId = layout("FragmentId", (u32, "cell piece place"))
 Fragment = layout("Fragment", (FragmentId, "id"),
                   (u32, "face facet caster first_corner corner_count"), (i32, "lit"),
@@ -144,14 +145,14 @@ Stats = layout("Stats", (u32, "size"), (u64, "faces facing_faces facets"),
                (u64, "lit_fragments shadowed_fragments cells nodes sp_nodes pp_nodes pieces "
                      "crossing_lines predicates on by_identity by_filter by_exact depth bytes"),
                (f64, "build_ms emit_ms"),
-               (u64, "marked_nodes longest_location_list cells_built_again joined deferred"))
+               (u64, "marked_nodes longest_location_list cells_rebuilt joined deferred"))
 Changes = layout("Changes", (u32, "size light_count"), (u64, "update"), (u32, "applied"),
                  (i32, "complete"), (f64, "ms"))
 LightChanges = layout("LightChanges", (u32, "size light"), (i32, "rebuilt removed"),
                       (u32, "gone_count added_count area_count"))
 Added = layout("Added", (FragmentId, "id"), (u32, "index"))
 ChangedArea = layout("ChangedArea", (u32, "face"), (FaceArea, "area"))
-SetFragment = layout("SetFragment", (u32, "face facet first_corner corner_count"))
+PartitionFragment = layout("PartitionFragment", (u32, "face facet first_corner corner_count"))
 Layout = layout("Layout", (u32, "size"),
                 (i32, "doubles indexed normals faces objects states masks show"),
                 (f64 * 3, "origin"), (f64, "hole_share"), (u32, "joined_gap"))
@@ -292,14 +293,15 @@ def add_changes(digest, engine):
 
 
 def add_combined(digest, engine):
-    sets = value(c_void_p, "combined", engine)
+    partition = value(c_void_p, "overlay", engine)
     count, words = c_uint32(), c_uint32()
-    call("sets_count", sets, byref(count), byref(words))
+    call("partition_count", partition, byref(count), byref(words))
     digest.add(count.value, words.value,
-               elements(SetFragment, count.value, "sets_fragments", sets))
-    digest.add_bytes(value(POINTER(c_uint64), "sets_masks", sets), 8 * count.value * words.value)
-    digest.add_bytes(*in_bytes(lent(c_double, "sets_corners", sets), 24))
-    function("sets_destroy")(sets)
+               elements(PartitionFragment, count.value, "partition_fragments", partition))
+    masks = value(POINTER(c_uint64), "partition_masks", partition)
+    digest.add_bytes(masks, 8 * count.value * words.value)
+    digest.add_bytes(*in_bytes(lent(c_double, "partition_corners", partition), 24))
+    function("partition_destroy")(partition)
 
 
 def add_buffers(digest, buffers, streams):
@@ -336,7 +338,9 @@ def add_object(scene, record):
 
 
 def light_of(record):
-    return with_members(Light, kind=KINDS[record["kind"]], at=(c_double * 3)(*record["at"]))
+    vector = "position" if record["kind"] == "point" else "direction"
+    return with_members(Light, kind=KINDS[record["kind"]],
+                        **{vector: (c_double * 3)(*record["at"])})
 
 
 class Player:
@@ -359,7 +363,7 @@ class Player:
                  byref(light_of(self.lights[edit["light"]])))
         elif edit["op"] == "remove":
             mesh, settings = c_void_p(), with_members(Settings)
-            call("scene_given", self.scene, byref(self.ids[name]), byref(mesh), byref(settings))
+            call("scene_source", self.scene, byref(self.ids[name]), byref(mesh), byref(settings))
             settings.name = bytes(settings.name)  # a copy: it is lent
             self.removed[name] = mesh, settings
             call("scene_remove_object", self.scene, byref(self.ids[name]))
@@ -419,7 +423,7 @@ def run(job):
             shadows = value(c_void_p, "engine_shadows", engine, u32(k))
             add_shadows(digest(f"shadows_{when}"), shadows)
             areas = (c_double * value(Counts, "scene_count", scene).faces)()
-            call("undecided", engine, u32(k), u32(len(areas)), areas)
+            call("uncertain_area", engine, u32(k), u32(len(areas)), areas)
             digest(f"undecided_{when}").add(areas)
         add_combined(digest(f"combined_{when}"), engine)
 

@@ -1,196 +1,134 @@
-// Fragments as a graphics interface wants them: vertex buffers that follow an engine, and what of
-// them to upload after an update.
-//
-//   Engine engine(scene);
-//   FragmentBuffers lit(0, {.show = Show::lit});     // of light 0
-//   lit.update(engine, engine.update());             // after every update
-//   if (lit.grown()) make_room(lit.vertex_capacity());
-//   for (const auto& r : lit.changed_vertices()) upload(lit.positions().subspan(3 * r.first, 3 *
-//     r.count), r.first);
-//   draw_triangles(lit.vertex_count());
-//
-// Each fragment is a fan of triangles and has a place of its own. What an update takes away leaves
-// a hole, drawn as triangles of no extent; what it brings fills holes of its size, or goes to the
-// end. Nothing else moves, so what has to be uploaded is in proportion to what has changed.
-//
-// Units and frame: positions are world coordinates less BufferLayout::origin, subtracted in double:
-// a scene far from the world's origin keeps its digits in floats. Thread safety: as of a container.
-// No member keeps a reference to an engine or a scene.
+/// @file
+/// Vertex buffers that follow an engine, and the ranges of them that changed with an update.
+///
+///     Engine engine(scene);
+///     FragmentBuffers lit(0, {.show = Show::lit});  // of light 0
+///     lit.update(engine, engine.update());          // after every update
+///     if (lit.grown()) allocate_on_gpu(lit.vertex_capacity());
+///     for (const auto& r : lit.changed_vertices())
+///       upload(lit.positions().subspan(3 * r.first, 3 * r.count), r.first);
+///     draw_triangles(lit.vertex_count());
+///
+/// A fragment is a fan of triangles and has a place of its own in the buffers. A fragment that an
+/// update removes leaves a hole, drawn as triangles without extent; a new fragment fills a hole of
+/// its size, or is appended. No other fragment moves, so the amount to upload is proportional to
+/// the amount of change.
+///
+/// Units and frame: positions are world coordinates minus BufferLayout::origin, subtracted in
+/// double: a scene far from the world's origin keeps its precision in floats. Thread safety: that
+/// of a standard container. The buffers keep no reference to an engine or a scene.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <shadowcut/shadows.hpp>
 #include <span>
-#include <vector>
 
 namespace shadowcut {
 
-// Which fragments have places. Of all lights: lit by any.
+/// Which fragments are in the buffers. With all lights, "lit" means lit by any light.
 enum class Show : std::uint8_t { all, lit, shadowed };
 
-// What the buffers hold of every vertex.
+/// What the buffers hold for each vertex.
 struct BufferLayout {
-  Vec3 origin = Vec3::Zero();  // finite; in or near the scene, best
-  bool doubles = false;        // positions in double instead of float
-  // a vertex for each corner of a fragment, and indices; otherwise three vertices for each triangle
+  Vec3 origin = Vec3::Zero();  ///< finite; best in or near the scene
+  bool doubles = false;        ///< positions in double instead of float
+  /// A vertex for each corner of a fragment, and indices. Otherwise three vertices for each
+  /// triangle.
   bool indexed = false;
-  bool normals = true;   // of the face's front, unit length
-  bool faces = true;     // index into Engine::scene().faces(); none in holes
-  bool objects = false;  // index into Engine::scene().objects(); none in holes
-  bool states = true;    // 1: lit (by any light); 0: shadowed, and in holes
-  // mask_words() words: bit k%32 of word k/32 is set iff light k reaches the fragment
+  bool normals = true;   ///< of the front of the face, unit length
+  bool faces = true;     ///< index into Engine::scene().faces(); invalid_index in holes
+  bool objects = false;  ///< index into Engine::scene().objects(); invalid_index in holes
+  bool states = true;    ///< 1: lit (by any light); 0: shadowed, and in holes
+  /// mask_words() words: bit k%32 of word k/32 is set iff light k reaches the fragment.
   bool masks = false;
   Show show = Show::all;
-  // everything is laid out anew when a larger share of the vertices than this is holes
+  /// The buffers are filled again without holes when a larger share of the vertices is in holes; 0
+  /// to 1.
   double hole_share = 0.5;
-  // ranges with no more unchanged vertices (and indices) than this between them are handed out as
-  // one
+  /// Changed ranges with no more unchanged vertices (and indices) than this between them become one
+  /// range.
   std::uint32_t joined_gap = 16;
 };
 
 class FragmentBuffers {
  public:
-  static constexpr std::uint32_t all_lights = none;
+  /// In place of the index of a light: the partition by all lights.
+  static constexpr std::uint32_t all_lights = invalid_index;
   struct Range {
     std::uint32_t first, count;
   };
 
-  // For one light, by its index into Scene::lights(), or for the partition by all of them
-  // (Engine::combined). Throws Error when the origin is not finite or the share is not between 0
-  // and 1.
+  /// Empty buffers for one light, by its index into Scene::lights(), or for the partition by all
+  /// lights (Engine::overlay). Throws Error when the origin is not finite or the share of holes is
+  /// not between 0 and 1.
   explicit FragmentBuffers(std::uint32_t light = all_lights, const BufferLayout& layout = {});
+  ~FragmentBuffers();
+  FragmentBuffers(const FragmentBuffers&);
+  FragmentBuffers& operator=(const FragmentBuffers&);
+  FragmentBuffers(FragmentBuffers&&) noexcept;
+  FragmentBuffers& operator=(FragmentBuffers&&) noexcept;
 
-  // Applies what an update of the engine changed. The same engine every time; after an update that
-  // was missed, or that threw, everything is filled anew. One light: the cost is in proportion to
-  // the fragments that changed (a light that moved: all of its own). All lights: the faces on which
-  // any light's fragments changed are cut anew, after one look at every fragment of the first light
-  // (some nanoseconds each); a light that came, moved or went costs the whole partition. Throws
-  // std::bad_alloc, Error as the engine does, and Error beyond 2^32 vertices; the contents are then
-  // nobody's until the next update.
+  /// Applies the changes of an update of the engine, which must be the same engine every time.
+  /// After an update that was skipped, or that threw, the buffers are filled again.
+  ///
+  /// Cost. One light: proportional to the number of changed fragments; all of its fragments if the
+  /// light moved. All lights: the faces on which fragments of any light changed are cut again,
+  /// after a pass over all fragments of the first light (some nanoseconds each); the whole
+  /// partition if a light was added, moved or removed.
+  ///
+  /// Throws std::bad_alloc, Error as the engine does, and Error beyond 2^32 vertices. The contents
+  /// are then unspecified until the next successful update.
   void update(const Engine& engine, const Changes& changes);
-  // Everything anew, at the cost of all fragments; the next update will do so once more. The scene
-  // must be the one whose shadows they are. A light that there is not: nothing. Throws Error when
-  // shadows of one light are given to buffers of all, or the reverse.
+  /// Fills the buffers, at the cost of all fragments; the next update will do so once more. The
+  /// scene must be the one for which the shadows were computed. Empty when the light does not
+  /// exist. Throws Error when shadows of one light are given to buffers of all lights, or the
+  /// reverse.
   void fill(const Engine& engine);
   void fill(const Scene& scene, const Shadows& shadows);
-  void fill(const Scene& scene, const LightSets& sets);
-  // The next update fills everything anew: before another engine is followed, say.
-  void forget() { seen_ = 0; }
-  // The next update fills everything anew. Throws Error when it is not finite.
+  void fill(const Scene& scene, const LightPartition& partition);
+  /// The next update fills the buffers again: to be called before another engine is followed.
+  void forget();
+  /// Sets BufferLayout::origin; the next update fills the buffers again. Throws Error when the
+  /// origin is not finite.
   void set_origin(const Vec3& origin);
 
-  std::uint32_t light() const { return light_; }
-  const BufferLayout& layout() const { return layout_; }
+  std::uint32_t light() const;
+  const BufferLayout& layout() const;
 
-  // Vertices and indices to draw (holes among them), and the room there is behind the spans below:
-  // what is past the count is unspecified.
-  std::uint32_t vertex_count() const { return vertex_count_; }
-  std::uint32_t vertex_capacity() const { return vertex_capacity_; }
-  std::uint32_t index_count() const { return index_count_; }
-  std::uint32_t index_capacity() const { return index_capacity_; }
-  std::uint32_t fragment_count() const { return fragment_count_; }
-  std::uint32_t hole_vertices() const { return hole_vertices_; }
-  std::uint32_t mask_words() const { return mask_words_; }
+  /// The number of vertices and indices to draw, holes included, and the lengths (capacities) of
+  /// the arrays below. Elements beyond the count are unspecified.
+  std::uint32_t vertex_count() const;
+  std::uint32_t vertex_capacity() const;
+  std::uint32_t index_count() const;
+  std::uint32_t index_capacity() const;
+  std::uint32_t fragment_count() const;
+  /// The number of vertices in holes.
+  std::uint32_t hole_vertices() const;
+  /// The number of 32-bit words of a vertex' mask.
+  std::uint32_t mask_words() const;
 
-  // Of the last update or fill: ascending, and apart. grown(): the capacities (or mask_words()) are
-  // not what they were, so that buffers of the graphics interface have to be made anew; the ranges
-  // are then everything.
-  bool grown() const { return grown_; }
-  std::span<const Range> changed_vertices() const { return changed_vertices_; }
-  std::span<const Range> changed_indices() const { return changed_indices_; }
+  /// Whether the last update or fill changed a capacity or mask_words(), so that the buffers of the
+  /// graphics interface have to be created again. The changed ranges then cover everything.
+  bool grown() const;
+  /// The ranges changed by the last update or fill, ascending and disjoint.
+  std::span<const Range> changed_vertices() const;
+  std::span<const Range> changed_indices() const;
 
-  // By vertex, up to the capacity; empty where the layout does without. They live until the next
-  // call of a member that is not const.
-  // 3 a vertex; empty with BufferLayout::doubles
-  std::span<const float> positions() const { return positions_; }
-  // 3 a vertex; empty without
-  std::span<const double> double_positions() const { return double_positions_; }
-  std::span<const float> normals() const { return normals_; }  // 3 a vertex
-  std::span<const std::uint32_t> faces() const { return faces_; }
-  std::span<const std::uint32_t> objects() const { return objects_; }
-  std::span<const std::uint8_t> states() const { return states_; }
-  std::span<const std::uint32_t> masks() const { return masks_; }  // mask_words() a vertex
-  std::span<const std::uint32_t> indices() const { return indices_; }
+  // Arrays by vertex, as long as the capacity; empty where the layout excludes them. Spans are
+  // valid until the next call of a member that is not const.
+  std::span<const float> positions() const;          ///< 3 for each vertex; unless doubles
+  std::span<const double> double_positions() const;  ///< 3 for each vertex; if doubles
+  std::span<const float> normals() const;            ///< 3 for each vertex
+  std::span<const std::uint32_t> faces() const;
+  std::span<const std::uint32_t> objects() const;
+  std::span<const std::uint8_t> states() const;
+  std::span<const std::uint32_t> masks() const;    ///< mask_words() for each vertex
+  std::span<const std::uint32_t> indices() const;  ///< 3 for each triangle; if indexed
 
  private:
-  struct Place {  // of a fragment
-    std::uint32_t first_vertex, first_index, corners;
-  };
-  struct Hole {
-    Place place;
-    std::uint64_t made;  // in which update
-  };
-  struct Source {  // what all vertices of a fragment have in common
-    std::uint32_t face, facet;
-    bool lit;
-    std::span<const std::uint32_t> mask;
-  };
-  // by the ids of fragments: a table with open addressing, for a look at it is one at the memory
-  class Places {
-   public:
-    void clear();
-    void insert(FragmentId id, const Place& place);  // of an id that is not there
-    // out of the table; without corners where there is none
-    Place take(FragmentId id);
-
-   private:
-    struct Slot {
-      FragmentId id;
-      Place place;  // without corners: empty
-    };
-    std::size_t home(FragmentId id) const;
-    std::size_t next(std::size_t slot) const { return (slot + 1) & (slots_.size() - 1); }
-    std::vector<Slot> slots_;  // as many as a power of two, and half of them empty
-    std::size_t count_ = 0;
-  };
-
-  std::uint32_t vertices_of(std::uint32_t corners) const {
-    return layout_.indexed ? corners : 3 * (corners - 2);
-  }
-  std::uint32_t indices_of(std::uint32_t corners) const {
-    return layout_.indexed ? 3 * (corners - 2) : 0;
-  }
-  bool shows(bool lit) const {
-    return layout_.show == Show::all || lit == (layout_.show == Show::lit);
-  }
-  void begin();
-  void follow(const Engine& engine, const Changes& changes, bool next);
-  void refill(const Engine& engine);
-  void clear();
-  void apply(const Engine& engine, const LightChanges& change);
-  bool apply_to_faces(const Engine& engine, const Changes& changes);
-  void add_shadows(const Scene& scene, const Shadows& shadows);
-  void add_fragment(const Scene& scene, const Block& block, const Fragment& fragment);
-  void add_sets(const Scene& scene, const LightSets& sets);
-  Place add(const Scene& scene, const Source& source, std::span<const Vec3> corners);
-  void remove(const Place& place);
-  Place take(std::uint32_t corners);
-  void make_room(std::uint64_t vertices, std::uint64_t indices);
-  void set_mask_words(std::size_t lights);
-  void write_position(std::size_t vertex, const Vec3& position);
-  void write_source(std::size_t first, std::size_t count, const Source& source,
-                    std::uint32_t object, const Vec3& normal);
-  void list_changes();
-
-  std::uint32_t light_;
-  BufferLayout layout_;
-  std::uint64_t seen_ = 0;  // the update applied last; 0: none that the next could go on from
-  std::uint32_t vertex_count_ = 0, vertex_capacity_ = 0, index_count_ = 0, index_capacity_ = 0;
-  std::uint32_t fragment_count_ = 0, hole_vertices_ = 0, mask_words_ = 0;
-  std::vector<float> positions_, normals_;
-  std::vector<double> double_positions_;
-  std::vector<std::uint32_t> faces_, objects_, masks_, indices_;
-  std::vector<std::uint8_t> states_;
-
-  Places places_;                                   // one light's
-  std::vector<std::vector<Place>> places_of_face_;  // all lights'
-  std::vector<std::vector<Hole>> holes_;            // by their number of corners
-  std::vector<Place> touched_;                      // since the update began
-  std::uint64_t updates_ = 0;
-  bool anew_ = false, grown_ = false;
-  std::vector<Range> changed_vertices_, changed_indices_;
-  std::vector<std::uint32_t> mask_;  // of the fragment at hand
-  std::vector<Vec3> corners_;        // likewise
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace shadowcut

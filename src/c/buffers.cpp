@@ -39,7 +39,7 @@ Stream stream_of(std::span<const T> values, std::uint32_t width) {
 Stream stream_of(const FragmentBuffers& b, std::int32_t which) {
   const BufferLayout& layout = b.layout();
   const auto provided = [](bool there, Stream stream) {
-    if (!there) fail(SHADOWCUT_NOT_FOUND, "the layout does without this stream");
+    if (!there) fail(SHADOWCUT_NOT_FOUND, "the layout excludes this stream");
     return stream;
   };
   switch (which) {
@@ -58,7 +58,7 @@ Stream stream_of(const FragmentBuffers& b, std::int32_t which) {
     case SHADOWCUT_INDICES:
       return provided(layout.indexed, stream_of(b.indices(), 1));
     default:
-      fail(SHADOWCUT_INVALID_ARGUMENT, "a number is none of its enum's");
+      fail(SHADOWCUT_INVALID_ARGUMENT, "invalid enum value");
   }
 }
 
@@ -67,7 +67,7 @@ void require_in(const Scene& scene, std::uint32_t face, std::uint32_t facet) {
   if (face < scene.faces().size() && facet < scene.facets().size() &&
       scene.facets()[facet].plane < scene.planes().size())
     return;
-  fail(SHADOWCUT_REFUSED, "a fragment is not of the scene as it stands");
+  fail(SHADOWCUT_REFUSED, "a fragment does not belong to the scene in its present state");
 }
 
 shadowcut_range range_of(const FragmentBuffers::Range& range) { return {range.first, range.count}; }
@@ -116,22 +116,23 @@ shadowcut_status shadowcut_buffers_fill(shadowcut_buffers* buffers, const shadow
     FragmentBuffers& b = change(buffers);
     const Shadows& s = value_of(shadows);
     if (s.areas.size() != value_of(scene).faces().size())
-      fail(SHADOWCUT_REFUSED, "the shadows are not of the scene as it stands");
+      fail(SHADOWCUT_REFUSED, "the shadows do not belong to the scene in its present state");
     for (const Block& block : s.blocks) {
       for (const Fragment& f : block.fragments) require_in(*scene->scene, f.face, f.facet);
     }
     b.fill(*scene->scene, s);
   });
 }
-shadowcut_status shadowcut_buffers_fill_sets(shadowcut_buffers* buffers,
-                                             const shadowcut_scene* scene,
-                                             const shadowcut_light_sets* sets) {
+shadowcut_status shadowcut_buffers_fill_partition(shadowcut_buffers* buffers,
+                                                  const shadowcut_scene* scene,
+                                                  const shadowcut_light_partition* partition) {
   return guarded([&] {
     FragmentBuffers& b = change(buffers);
     const Scene& s = value_of(scene);
-    require_pointers(sets);
-    for (const LightSets::Fragment& f : sets->sets.fragments) require_in(s, f.face, f.facet);
-    b.fill(s, sets->sets);
+    require_pointers(partition);
+    for (const LightPartition::Fragment& f : partition->partition.fragments)
+      require_in(s, f.face, f.facet);
+    b.fill(s, partition->partition);
   });
 }
 shadowcut_status shadowcut_buffers_set_origin(shadowcut_buffers* buffers, const double* origin) {

@@ -37,7 +37,8 @@ shadowcut_status advance(shadowcut_engine* engine, const Check& check, const Ste
     if (is_whole(*engine)) {
       const Scene& scene = engine->engine.scene();
       for (std::size_t k = 0; k < engine->engine.light_count(); ++k) {
-        if (scene.light_id(k).index != none) engine->lights[k].shadows = &engine->engine.shadows(k);
+        if (scene.light_id(k).index != invalid_index)
+          engine->lights[k].shadows = &engine->engine.shadows(k);
       }
     }
     if (error) std::rethrow_exception(error);
@@ -48,7 +49,7 @@ shadowcut_status advance(shadowcut_engine* engine, const Check& check, const Ste
 
 const LightChanges& light_changes(const shadowcut_engine* engine, std::uint32_t i) {
   const Changes& changes = changes_of(engine);
-  require(i < changes.lights.size(), "that many lights have not changed");
+  require(i < changes.lights.size(), "light change index out of range");
   return changes.lights[i];
 }
 
@@ -73,7 +74,7 @@ const shadowcut_engine& whole(const shadowcut_engine* engine) {
 
 const Changes& changes_of(const shadowcut_engine* engine) {
   if (!whole(engine).changes)
-    fail(SHADOWCUT_NOT_FOUND, "there was no update yet, or the last one failed");
+    fail(SHADOWCUT_NOT_FOUND, "there has been no update, or the last update failed");
   return *engine->changes;
 }
 
@@ -99,7 +100,7 @@ shadowcut_status shadowcut_engine_update(shadowcut_engine* engine) {
 }
 shadowcut_status shadowcut_engine_update_within(shadowcut_engine* engine, double ms) {
   const auto check = [&] {
-    require(ms >= 0, "a time is negative, or no number");
+    require(ms >= 0, "the time is negative or not a number");
     whole(engine);
   };
   return advance(engine, check, [ms](Engine& e) -> const Changes& {
@@ -204,13 +205,23 @@ shadowcut_status shadowcut_engine_find(const shadowcut_engine* engine, uint32_t 
     *fragment = fragment_of(*found);
   });
 }
-shadowcut_status shadowcut_engine_undecided(const shadowcut_engine* engine, uint32_t light,
-                                            uint32_t face_count, double* areas) {
+shadowcut_status shadowcut_engine_uncertain_area(const shadowcut_engine* engine, uint32_t light,
+                                                 uint32_t face_count, double* areas) {
   return guarded([&] {
-    const std::vector<double> all = with_light(engine, light).undecided(light);
-    require(all.size() <= face_count, "there is not room for all faces");
+    const std::vector<double> all = with_light(engine, light).uncertain_area(light);
+    require(all.size() <= face_count, "the array has no room for all faces");
     require(areas != nullptr || all.empty(), "a pointer is null");
     std::copy(all.begin(), all.end(), areas);
+  });
+}
+shadowcut_status shadowcut_engine_is_lit(const shadowcut_engine* engine, uint32_t light,
+                                         uint32_t face, const double* point, int32_t* lit) {
+  return guarded([&] {
+    require_pointers(point);
+    require_pointers(lit);
+    const Engine& e = with_light(engine, light);
+    require(face < e.scene().faces().size(), "there is no such face");
+    *lit = e.is_lit(light, face, Vec3(point)) ? 1 : 0;
   });
 }
 shadowcut_status shadowcut_engine_validate(const shadowcut_engine* engine) {
@@ -220,19 +231,19 @@ shadowcut_status shadowcut_engine_validate(const shadowcut_engine* engine) {
   });
 }
 
-shadowcut_status shadowcut_engine_combined(const shadowcut_engine* engine,
-                                           shadowcut_light_sets** sets) {
+shadowcut_status shadowcut_engine_overlay(const shadowcut_engine* engine,
+                                          shadowcut_light_partition** partition) {
   return guarded([&] {
-    require_pointers(sets);
-    *sets = new shadowcut_light_sets{whole(engine).engine.combined()};
+    require_pointers(partition);
+    *partition = new shadowcut_light_partition{whole(engine).engine.overlay()};
   });
 }
-shadowcut_status shadowcut_engine_combined_faces(const shadowcut_engine* engine,
-                                                 const uint32_t* faces, int32_t face_count,
-                                                 shadowcut_light_sets** sets) {
+shadowcut_status shadowcut_engine_overlay_faces(const shadowcut_engine* engine,
+                                                const uint32_t* faces, int32_t face_count,
+                                                shadowcut_light_partition** partition) {
   return guarded([&] {
-    require_pointers(sets);
+    require_pointers(partition);
     const std::span<const std::uint32_t> chosen = span_of(faces, face_count);
-    *sets = new shadowcut_light_sets{whole(engine).engine.combined(chosen)};
+    *partition = new shadowcut_light_partition{whole(engine).engine.overlay(chosen)};
   });
 }

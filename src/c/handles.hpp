@@ -29,8 +29,8 @@ struct shadowcut_shadows {
   const shadowcut::Shadows* shadows = nullptr;  // own, or an engine's, or null: none (now)
 };
 
-struct shadowcut_light_sets {
-  shadowcut::LightSets sets;
+struct shadowcut_light_partition {
+  shadowcut::LightPartition partition;
 };
 
 struct shadowcut_engine {
@@ -97,8 +97,7 @@ template <class T>
 void require_size(const T* value) {
   require_pointers(value);
   require(value->size == sizeof(T),
-          "a struct is not as large as this version's: its *_init function was not called, or is "
-          "another's");
+          "wrong struct size: its *_init function was not called, or is of another version");
 }
 template <class T>
 shadowcut_status initialise(T* out, T value) noexcept {
@@ -116,7 +115,7 @@ inline bool flag(std::int32_t value) {
 // The enums here and in C++ have the same values; the largest is given.
 template <class Enum>
 Enum enum_of(std::int32_t value, Enum last) {
-  require(value >= 0 && value <= static_cast<std::int32_t>(last), "a number is none of its enum's");
+  require(value >= 0 && value <= static_cast<std::int32_t>(last), "invalid enum value");
   return static_cast<Enum>(value);
 }
 
@@ -132,7 +131,7 @@ std::span<const T> span_of(const T* data, std::int64_t count) {
 template <class In, class Out>
 std::span<In> part_of(std::span<In> from, std::uint32_t first, std::uint32_t count,
                       const Out* out) {
-  require(first <= from.size() && count <= from.size() - first, "a range is not all there");
+  require(first <= from.size() && count <= from.size() - first, "range out of bounds");
   require(out != nullptr || count == 0, "a pointer is null");
   return from.subspan(first, count);
 }

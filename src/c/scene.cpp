@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "handles.hpp"
+#include "scene/scene_access.hpp"
 
 namespace shadowcut::c {
 
@@ -14,7 +15,7 @@ Light light_of(const shadowcut_light* light) {
   require_size(light);
   Light out;
   out.kind = enum_of(light->kind, Light::Kind::directional);
-  out.at = Vec3(light->at);
+  out.position = Vec3(light->position), out.direction = Vec3(light->direction);
   if (light->name) out.name = light->name;
   out.range = light->range;
   if (flag(light->has_spot)) out.spot = Light::Spot{Vec3(light->spot_axis), light->spot_half_angle};
@@ -96,13 +97,15 @@ void copy_id(const Id& id, Out* out) {
 }
 template <class Id, class Out>
 void copy_found(const Id& id, const char* missing, Out* out) {
-  if (id.index == none) fail(SHADOWCUT_NOT_FOUND, missing);
+  if (id.index == invalid_index) fail(SHADOWCUT_NOT_FOUND, missing);
   copy_id(id, out);
 }
 
-void expect(Edit edit) {
-  if (edit == Edit::stale) fail(SHADOWCUT_STALE, "what the id named has been removed");
-  if (edit == Edit::foreign) fail(SHADOWCUT_FOREIGN, "the id is of another scene, or of none");
+void expect(Status status) {
+  if (status == Status::stale)
+    fail(SHADOWCUT_STALE, "the object or light of the id has been removed");
+  if (status == Status::foreign)
+    fail(SHADOWCUT_FOREIGN, "the id belongs to another scene, or to no scene");
 }
 
 ObjectSettings settings_of(const shadowcut_object_settings* settings) {
@@ -112,8 +115,8 @@ ObjectSettings settings_of(const shadowcut_object_settings* settings) {
   if (settings->name) out.name = settings->name;
   out.pose = pose_of(settings->pose);
   out.sides = enum_of(settings->sides, Sides::open);
-  out.casts = flag(settings->casts), out.receives = flag(settings->receives),
-  out.moves = flag(settings->moves);
+  out.casts_shadows = flag(settings->casts_shadows),
+  out.receives_shadows = flag(settings->receives_shadows), out.dynamic = flag(settings->dynamic);
   return out;
 }
 
@@ -207,7 +210,7 @@ shadowcut_status shadowcut_mesh_loop(const shadowcut_mesh* mesh, uint32_t face, 
 
 shadowcut_status shadowcut_object_settings_init(shadowcut_object_settings* settings) {
   shadowcut_object_settings out{};
-  out.casts = out.receives = 1;
+  out.casts_shadows = out.receives_shadows = 1;
   for (int i = 0; i < 4; ++i) out.pose[5 * i] = 1;
   return initialise(settings, out);
 }
@@ -291,28 +294,33 @@ shadowcut_status shadowcut_scene_set_vertices_float(shadowcut_scene* scene,
   return guarded(
       [&] { expect(change(scene).set_vertices(id_of(id), points_of(xyz, vertex_count))); });
 }
-shadowcut_status shadowcut_scene_set_casts(shadowcut_scene* scene, const shadowcut_object_id* id,
-                                           int32_t casts) {
-  return guarded([&] { expect(change(scene).set_casts(id_of(id), flag(casts))); });
+shadowcut_status shadowcut_scene_set_casts_shadows(shadowcut_scene* scene,
+                                                   const shadowcut_object_id* id,
+                                                   int32_t casts_shadows) {
+  return guarded([&] { expect(change(scene).set_casts_shadows(id_of(id), flag(casts_shadows))); });
 }
-shadowcut_status shadowcut_scene_set_receives(shadowcut_scene* scene, const shadowcut_object_id* id,
-                                              int32_t receives) {
-  return guarded([&] { expect(change(scene).set_receives(id_of(id), flag(receives))); });
+shadowcut_status shadowcut_scene_set_receives_shadows(shadowcut_scene* scene,
+                                                      const shadowcut_object_id* id,
+                                                      int32_t receives_shadows) {
+  return guarded(
+      [&] { expect(change(scene).set_receives_shadows(id_of(id), flag(receives_shadows))); });
 }
 
-shadowcut_status shadowcut_scene_given(const shadowcut_scene* scene, const shadowcut_object_id* id,
-                                       shadowcut_mesh** mesh, shadowcut_object_settings* settings) {
+shadowcut_status shadowcut_scene_source(const shadowcut_scene* scene, const shadowcut_object_id* id,
+                                        shadowcut_mesh** mesh,
+                                        shadowcut_object_settings* settings) {
   return guarded([&] {
     require_pointers(mesh);
     if (settings) require_size(settings);
     const Scene& s = value_of(scene);
-    expect(s.locate(id_of(id)));
-    auto given = s.given(id_of(id));
-    *mesh = new shadowcut_mesh{std::move(given->first)};
+    expect(s.status(id_of(id)));
+    auto source = s.source(id_of(id));
+    *mesh = new shadowcut_mesh{std::move(source->first)};
     if (!settings) return;
-    const ObjectSettings& as = given->second;
+    const ObjectSettings& as = source->second;
     settings->sides = static_cast<std::int32_t>(as.sides);
-    settings->casts = as.casts, settings->receives = as.receives, settings->moves = as.moves;
+    settings->casts_shadows = as.casts_shadows, settings->receives_shadows = as.receives_shadows,
+    settings->dynamic = as.dynamic;
     copy(as.pose, settings->pose);
     settings->name = s.find(id_of(id))->name.c_str();
   });
@@ -363,10 +371,10 @@ shadowcut_status shadowcut_scene_light(const shadowcut_scene* scene, const shado
                                        shadowcut_light* light) {
   return guarded([&] {
     require_size(light);
-    expect(value_of(scene).locate(id_of(id)));
+    expect(value_of(scene).status(id_of(id)));
     const Light* found = scene->scene->find(id_of(id));
     light->kind = static_cast<std::int32_t>(found->kind);
-    copy(found->at, light->at);
+    copy(found->position, light->position), copy(found->direction, light->direction);
     light->range = found->range;
     light->has_spot = found->spot.has_value();
     if (found->spot)
@@ -379,10 +387,11 @@ shadowcut_status shadowcut_scene_object(const shadowcut_scene* scene, const shad
                                         shadowcut_object* object) {
   return guarded([&] {
     require_size(object);
-    expect(value_of(scene).locate(id_of(id)));
+    expect(value_of(scene).status(id_of(id)));
     const Object* o = scene->scene->find(id_of(id));
     object->sides = static_cast<std::int32_t>(o->sides);
-    object->casts = o->casts, object->receives = o->receives, object->moves = o->moves;
+    object->casts_shadows = o->casts_shadows, object->receives_shadows = o->receives_shadows,
+    object->dynamic = o->dynamic;
     object->first_face = o->first_face, object->face_count = o->face_count;
     object->first_vertex = o->first_vertex, object->vertex_count = o->vertex_count;
     object->first_facet = o->first_facet, object->facet_count = o->facet_count;
@@ -409,20 +418,21 @@ shadowcut_status shadowcut_scene_count(const shadowcut_scene* scene,
                count_of(s.edges().size()),
                count_of(s.planes().size()),
                count_of(s.issues().size()),
-               s.revision()};
+               SceneAccess::revision(s)};
   });
 }
 
 shadowcut_status shadowcut_scene_changed_since(const shadowcut_scene* scene,
-                                               const uint64_t* revision, uint32_t room,
+                                               const uint64_t* revision, uint32_t capacity,
                                                uint32_t* indices, uint32_t* count) {
   return guarded([&] {
     require_pointers(revision);
     require_pointers(count);
-    require(indices != nullptr || room == 0, "a pointer is null");
-    const std::vector<std::uint32_t> changed = value_of(scene).changed_since(*revision);
+    require(indices != nullptr || capacity == 0, "a pointer is null");
+    const std::vector<std::uint32_t> changed =
+        SceneAccess::changed_since(value_of(scene), *revision);
     *count = count_of(changed.size());
-    std::copy_n(changed.begin(), std::min(room, *count), indices);
+    std::copy_n(changed.begin(), std::min(capacity, *count), indices);
   });
 }
 
@@ -487,10 +497,11 @@ shadowcut_status shadowcut_scene_issues(const shadowcut_scene* scene, uint32_t f
   });
 }
 
-const char* shadowcut_describe(int32_t reason) {
-  return reason >= 0 && reason <= SHADOWCUT_NOT_FLAT ? describe(static_cast<Reason>(reason)) : "";
+const char* shadowcut_reason_text(int32_t reason) {
+  return reason >= 0 && reason <= SHADOWCUT_NOT_FLAT ? reason_text(static_cast<Reason>(reason))
+                                                     : "";
 }
-int32_t shadowcut_refuses(int32_t reason) {
-  return reason >= 0 && reason <= SHADOWCUT_NOT_FLAT && refuses(static_cast<Reason>(reason)) ? 1
-                                                                                             : 0;
+int32_t shadowcut_is_refusal(int32_t reason) {
+  return reason >= 0 && reason <= SHADOWCUT_NOT_FLAT && is_refusal(static_cast<Reason>(reason)) ? 1
+                                                                                                : 0;
 }

@@ -30,14 +30,12 @@ Options options_of(const shadowcut_options* options) {
   require_size(options);
   out.kernel = enum_of(options->kernel, Kernel::exact);
   out.form = enum_of(options->form, Form::conforming);
-  out.order = enum_of(options->order, Order::random);
-  out.seed = options->seed;
   out.threads = options->threads;
-  out.facets_per_cell = options->facets_per_cell;
   out.min_feature = {options->min_area, options->min_solid_angle};
-  out.edits = flag(options->edits);
-  out.join_threshold = options->join_threshold;
   out.constructions = flag(options->constructions);
+  const shadowcut_tuning& tuning = options->tuning;
+  out.tuning = {enum_of(tuning.order, Order::random), tuning.seed, tuning.facets_per_cell,
+                flag(tuning.incremental), tuning.join_threshold};
   return out;
 }
 
@@ -56,9 +54,9 @@ shadowcut_light_line line_of(const LightLine& line) {
   return out;
 }
 
-const LightSets& value_of(const shadowcut_light_sets* sets) {
-  require_pointers(sets);
-  return sets->sets;
+const LightPartition& value_of(const shadowcut_light_partition* partition) {
+  require_pointers(partition);
+  return partition->partition;
 }
 
 }  // namespace
@@ -69,11 +67,17 @@ using namespace shadowcut::c;
 
 shadowcut_status shadowcut_options_init(shadowcut_options* options) {
   const Options o;
+  const Options::Tuning& t = o.tuning;
   return initialise(
-      options,
-      {0, static_cast<std::int32_t>(o.kernel), static_cast<std::int32_t>(o.form),
-       static_cast<std::int32_t>(o.order), o.seed, o.threads, o.facets_per_cell, o.min_feature.area,
-       o.min_feature.solid_angle, o.edits, o.join_threshold, o.constructions});
+      options, shadowcut_options{0,
+                                 static_cast<std::int32_t>(o.kernel),
+                                 static_cast<std::int32_t>(o.form),
+                                 o.threads,
+                                 o.min_feature.area,
+                                 o.min_feature.solid_angle,
+                                 o.constructions,
+                                 {static_cast<std::int32_t>(t.order), t.seed, t.facets_per_cell,
+                                  t.incremental, t.join_threshold}});
 }
 shadowcut_status shadowcut_stats_init(shadowcut_stats* stats) {
   return initialise(stats, shadowcut_stats{});
@@ -187,43 +191,44 @@ shadowcut_status shadowcut_shadows_stats(const shadowcut_shadows* shadows, shado
               s.emit_ms,
               s.marked_nodes,
               s.longest_location_list,
-              s.cells_built_again,
+              s.cells_rebuilt,
               s.joined,
               s.deferred};
   });
 }
 
-void shadowcut_light_sets_destroy(shadowcut_light_sets* sets) { delete sets; }
+void shadowcut_light_partition_destroy(shadowcut_light_partition* partition) { delete partition; }
 
-shadowcut_status shadowcut_light_sets_count(const shadowcut_light_sets* sets,
-                                            uint32_t* fragment_count, uint32_t* mask_words) {
+shadowcut_status shadowcut_light_partition_count(const shadowcut_light_partition* partition,
+                                                 uint32_t* fragment_count, uint32_t* mask_words) {
   return guarded([&] {
     require_pointers(fragment_count, mask_words);
-    const LightSets& s = value_of(sets);
+    const LightPartition& s = value_of(partition);
     *fragment_count = count_of(s.fragments.size()), *mask_words = count_of(s.words);
   });
 }
-shadowcut_status shadowcut_light_sets_fragments(const shadowcut_light_sets* sets, uint32_t first,
-                                                uint32_t count, shadowcut_set_fragment* fragments) {
+shadowcut_status shadowcut_light_partition_fragments(const shadowcut_light_partition* partition,
+                                                     uint32_t first, uint32_t count,
+                                                     shadowcut_partition_fragment* fragments) {
   return guarded([&] {
-    copy_out(std::span(value_of(sets).fragments), first, count, fragments,
-             [](const LightSets::Fragment& f) {
-               return shadowcut_set_fragment{f.face, f.facet, f.first_corner, f.corner_count};
+    copy_out(std::span(value_of(partition).fragments), first, count, fragments,
+             [](const LightPartition::Fragment& f) {
+               return shadowcut_partition_fragment{f.face, f.facet, f.first_corner, f.corner_count};
              });
   });
 }
-shadowcut_status shadowcut_light_sets_masks(const shadowcut_light_sets* sets,
-                                            const uint64_t** masks) {
+shadowcut_status shadowcut_light_partition_masks(const shadowcut_light_partition* partition,
+                                                 const uint64_t** masks) {
   return guarded([&] {
     require_pointers(masks);
-    *masks = value_of(sets).lights.data();
+    *masks = value_of(partition).lights.data();
   });
 }
-shadowcut_status shadowcut_light_sets_corners(const shadowcut_light_sets* sets, const double** xyz,
-                                              uint32_t* corner_count) {
+shadowcut_status shadowcut_light_partition_corners(const shadowcut_light_partition* partition,
+                                                   const double** xyz, uint32_t* corner_count) {
   return guarded([&] {
     require_pointers(xyz, corner_count);
-    *corner_count = count_of(value_of(sets).corners.size());
-    *xyz = numbers_of(sets->sets.corners);
+    *corner_count = count_of(value_of(partition).corners.size());
+    *xyz = numbers_of(partition->partition.corners);
   });
 }

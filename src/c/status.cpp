@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <limits>
+#include <shadowcut/version.hpp>
 
 #include "handles.hpp"
 
@@ -59,4 +60,9 @@ const char* shadowcut_status_name(shadowcut_status status) {
              : "";
 }
 
-const char* shadowcut_version(void) { return SHADOWCUT_VERSION; }
+const char* shadowcut_version(void) { return shadowcut::version(); }
+void shadowcut_version_numbers(uint32_t* major, uint32_t* minor, uint32_t* patch) {
+  if (major) *major = SHADOWCUT_VERSION_MAJOR;
+  if (minor) *minor = SHADOWCUT_VERSION_MINOR;
+  if (patch) *patch = SHADOWCUT_VERSION_PATCH;
+}

@@ -34,7 +34,7 @@ void check_outputs(const CastArguments& a) {
 
 Engine build(const Scene& scene, const CastArguments& a, ProgressBar& bar) {
   Options options = a.options;
-  options.edits = false;
+  options.tuning.incremental = false;
   options.progress = [&](double share) { bar.show(share); };
   Engine engine(scene, options);
   engine.update();
@@ -43,7 +43,7 @@ Engine build(const Scene& scene, const CastArguments& a, ProgressBar& bar) {
 
 ordered_json summary_of(const Engine& engine, std::size_t k, const NamedLight& light) {
   const Stats& s = engine.shadows(k).stats;
-  const std::vector<double> undecided = engine.undecided(k);
+  const std::vector<double> uncertain = engine.uncertain_area(k);
   ordered_json entry{{"light", light.spec},
                      {"faces", s.faces},
                      {"facing_faces", s.facing_faces},
@@ -51,7 +51,7 @@ ordered_json summary_of(const Engine& engine, std::size_t k, const NamedLight& l
                      {"lit_area", s.lit_area},
                      {"shadowed_area", s.shadowed_area},
                      {"dropped_area", s.dropped_area},
-                     {"undecided_area", std::accumulate(undecided.begin(), undecided.end(), 0.0)},
+                     {"undecided_area", std::accumulate(uncertain.begin(), uncertain.end(), 0.0)},
                      {"lit_fragments", s.lit_fragments},
                      {"shadowed_fragments", s.shadowed_fragments},
                      {"tree_nodes", s.nodes},

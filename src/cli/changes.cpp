@@ -80,7 +80,7 @@ void ChangesFile::append_added(const Engine& engine, const LightChanges& changes
     append_key(text_, "number"), append(text_, face.number);
     append_key(text_, "lit"), text_ += fragment.lit ? "true" : "false";
     append_key(text_, "caster");
-    if (fragment.caster == none) text_ += "null";
+    if (fragment.caster == invalid_index) text_ += "null";
     else append(text_, fragment.caster);
     append_key(text_, "corners");
     append_list(text_, block.corners_of(fragment), [this](const Vec3& corner) {

@@ -77,7 +77,7 @@ class Grid {
                          1024.0)) {
     for (const Polygon& p : layer.polygons) box_.extend(p.box);
     cells_.resize(static_cast<std::size_t>(side_ * side_));
-    seen_.resize(layer.polygons.size(), none);
+    seen_.resize(layer.polygons.size(), invalid_index);
     for (std::uint32_t i = 0; i < layer.polygons.size(); ++i)
       each_cell(layer.polygons[i].box, [&](auto& cell) { cell.push_back(i); });
   }
@@ -202,7 +202,7 @@ Difference greatest_difference(const Scene& scene, const Shadows& one, const Sha
     const double area = std::abs(one.areas[f].lit - other.areas[f].lit);
     const double share = std::isfinite(region + area) ? std::max(region, area) / face.area
                                                       : std::numeric_limits<double>::infinity();
-    if (greatest.face == none || share > greatest.share) greatest = {share, f};
+    if (greatest.face == invalid_index || share > greatest.share) greatest = {share, f};
   }
   return greatest;
 }

@@ -8,7 +8,7 @@ namespace shadowcut::cli {
 
 struct Difference {
   double share = 0;           // of the face's area
-  std::uint32_t face = none;  // where it is greatest
+  std::uint32_t face = invalid_index;  // where it is greatest
 };
 
 // The area of the symmetric difference of the lit regions, by face, computed from the fragments'

@@ -1,6 +1,7 @@
 // Scripts of edits; see edits.hpp.
 #include "edits.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -17,14 +18,18 @@ using Op = Step::Op;
 struct Form {
   const char* word;
   Op op;
-  std::vector<const char*> keys;  // besides "op"; all of them, and no others
+  std::vector<const char*> keys;         // besides "op"; all of them, and no others
+  std::vector<const char*> one_of = {};  // and exactly one of these, unless there are none
 };
+
+// "at": the position or the direction, whichever the light has.
+const std::vector<const char*> light_keys{"at", "position", "direction"};
 
 const std::vector<Form>& forms() {
   static const std::vector<Form> all{
       {"move", Op::move, {"object", "translate"}}, {"pose", Op::pose, {"object", "matrix"}},
       {"remove", Op::remove, {"object"}},          {"add", Op::add, {"object"}},
-      {"light", Op::light, {"light", "at"}},       {"update", Op::update, {}}};
+      {"light", Op::light, {"light"}, light_keys}, {"update", Op::update, {}}};
   return all;
 }
 
@@ -58,19 +63,35 @@ const Form& form_of(const json& object) {
               ": it is none of move, pose, remove, add, light, update");
 }
 
+// The one of these keys that the object has. Throws Error unless there is exactly one.
+const char* key_among(const json& object, const std::vector<const char*>& keys,
+                      const std::string& op) {
+  const auto has = [&object](const char* key) { return object.contains(key); };
+  const auto first = std::find_if(keys.begin(), keys.end(), has);
+  if (first != keys.end() && std::count_if(keys.begin(), keys.end(), has) == 1) return *first;
+  std::string list;
+  for (const char* key : keys) {
+    if (!list.empty()) list += key == keys.back() ? " or " : ", ";
+    list += '"' + std::string(key) + '"';
+  }
+  throw Error("the op " + op + " needs " + (first == keys.end() ? "" : "only one of ") + list);
+}
+
 void check_keys(const json& object, const Form& form) {
   for (const char* key : form.keys)
     if (!object.contains(key))
       throw Error(std::string("the op ") + form.word + " needs \"" + key + "\"");
+  if (!form.one_of.empty()) key_among(object, form.one_of, form.word);
   for (const auto& item : object.items()) {
     bool known = item.key() == "op";
     for (const char* key : form.keys) known = known || item.key() == key;
+    for (const char* key : form.one_of) known = known || item.key() == key;
     if (!known)
       throw Error(std::string("the op ") + form.word + " has no key " + quoted(item.key()));
   }
 }
 
-std::vector<double> numbers_of(const json& object, const char* key, std::size_t count) {
+std::vector<double> numbers_of(const json& object, const std::string& key, std::size_t count) {
   const json& list = object[key];
   bool good = list.is_array() && list.size() == count;
   std::vector<double> numbers;
@@ -79,12 +100,11 @@ std::vector<double> numbers_of(const json& object, const char* key, std::size_t 
     if (good) numbers.push_back(list[i].get<double>());
   }
   if (!good)
-    throw Error("\"" + std::string(key) + "\" is not a list of " + std::to_string(count) +
-                " finite numbers");
+    throw Error("\"" + key + "\" is not a list of " + std::to_string(count) + " finite numbers");
   return numbers;
 }
 
-Vec3 vector_of(const json& object, const char* key) {
+Vec3 vector_of(const json& object, const std::string& key) {
   const std::vector<double> n = numbers_of(object, key, 3);
   return {n[0], n[1], n[2]};
 }
@@ -117,7 +137,8 @@ Step step_of(std::string_view line) {
     if (!object["light"].is_number_unsigned())
       throw Error("\"light\" is not a light's number, from 0");
     step.light = object["light"].get<std::size_t>();
-    step.vector = vector_of(object, "at");
+    step.vector_key = key_among(object, light_keys, "light");
+    step.vector = vector_of(object, step.vector_key);
   }
   return step;
 }
@@ -167,7 +188,7 @@ void Player::do_it(const Step& step) {
   const Object* there = scene_.find(object.id);
   if (there == nullptr) throw Error("object " + quoted(step.object) + " has been removed");
   if (step.op == Op::remove) {
-    object.removed = scene_.given(object.id);
+    object.removed = scene_.source(object.id);
     static_cast<void>(scene_.remove(object.id));  // it is there
   } else {
     Pose pose = step.pose;
@@ -197,7 +218,12 @@ void Player::move_light(const Step& step) {
   const Light* there = scene_.find(id);
   if (there == nullptr) throw Error("there is no light " + std::to_string(step.light));
   Light light = *there;
-  light.at = step.vector;
+  const bool point = light.kind == Light::Kind::point;
+  if (step.vector_key == (point ? "direction" : "position"))
+    throw Error("light " + std::to_string(step.light) + " is " +
+                (point ? "a point light: it has a position, no direction"
+                       : "directional: it has a direction, no position"));
+  (point ? light.position : light.direction) = step.vector;
   static_cast<void>(scene_.set_light(id, light));
 }
 

@@ -6,8 +6,9 @@
 //   {"op":"remove","object":NAME}
 //   {"op":"add","object":NAME}                                  brings a removed object back, as it
 //     was
-//   {"op":"light","light":INDEX,"at":[x,y,z]}                   moves a light; of a sun: its
-//     direction of travel
+//   {"op":"light","light":INDEX,"position":[x,y,z]}             moves a point light
+//   {"op":"light","light":INDEX,"direction":[x,y,z]}            turns a directional light
+//     "at" stands for either
 //   {"op":"update"}                                             ends a group; one that is not ended
 //     is ended by the file's end
 #pragma once
@@ -30,6 +31,7 @@ struct Step {
   std::string object;
   std::size_t light = 0;
   Vec3 vector = Vec3::Zero();  // move: by this; light: to here
+  std::string vector_key;      // light: which key gave it
   Pose pose = Pose::Identity();
 };
 

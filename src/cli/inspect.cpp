@@ -20,7 +20,7 @@ std::vector<Count> counts_of(const Scene& scene) {
   std::vector<Count> counts(scene.objects().size());
   for (const Face& face : scene.faces()) counts[face.object].facets += face.facet_count;
   for (const Issue& issue : scene.issues())
-    ++(refuses(issue.reason) ? counts[issue.object].refused : counts[issue.object].repaired);
+    ++(issue.is_refusal() ? counts[issue.object].refused : counts[issue.object].repaired);
   return counts;
 }
 
@@ -54,15 +54,15 @@ std::string json_text(const Scene& scene, const std::string& file, double load_m
                                    {"aligned", o.aligned},
                                    {"aligned_by", o.aligned_by},
                                    {"volume", o.signed_volume},
-                                   {"casts", o.casts},
-                                   {"receives", o.receives}});
+                                   {"casts", o.casts_shadows},
+                                   {"receives", o.receives_shadows}});
   }
   for (const Light& light : scene.lights()) document["lights"].push_back(json_of(light));
   for (const Issue& issue : scene.issues()) {
     document["issues"].push_back({{"object", scene.objects()[issue.object].name},
                                   {"face", issue.face},
-                                  {"refused", refuses(issue.reason)},
-                                  {"reason", describe(issue.reason)},
+                                  {"refused", issue.is_refusal()},
+                                  {"reason", issue.text()},
                                   {"detail", issue.detail}});
   }
   return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";

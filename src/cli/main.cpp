@@ -58,7 +58,8 @@ void add_scene(CLI::App& command, Arguments& a) {
                   "Scene file: .obj .ply .off .stl .gltf .glb .dae .fbx .ifc and others")
       ->required();
   add_list(command, "--light", a.lights,
-           "point:x,y,z or sun:dx,dy,dz (direction of travel); none: the scene's own lights")
+           "point:x,y,z or directional:dx,dy,dz, also sun:dx,dy,dz (the direction of the rays); "
+           "without one: the scene's own lights")
       ->type_name("SPEC");
   add_reading(command, a.reading);
   command.add_flag("--quiet", a.quiet, "Say nothing but errors");
@@ -126,13 +127,13 @@ void add_cast(CLI::App& app, CastArguments& a) {
       ->type_name("VIEW");
   command.add_option("--up", a.up, "Axis that points up in drawings (z)")
       ->check(CLI::IsMember({"x", "y", "z"}));
-  add_choice<Order>(command, "--order", a.options.order,
+  add_choice<Order>(command, "--order", a.options.tuning.order,
                     {{"solid-angle", Order::solid_angle},
                      {"as-given", Order::as_given},
                      {"random", Order::random}},
                     "Order of insertion (solid-angle)");
-  command.add_option("--seed", a.options.seed, "For --order random");
-  command.add_option("--facets-per-cell", a.options.facets_per_cell,
+  command.add_option("--seed", a.options.tuning.seed, "For --order random");
+  command.add_option("--facets-per-cell", a.options.tuning.facets_per_cell,
                      "Where the balanced prefix stops dividing; 0: no prefix");
 }
 
@@ -159,7 +160,7 @@ void add_replay(CLI::App& app, ReplayArguments& a) {
       .add_option("--changes", a.changes,
                   "What each update changed, one JSON object a line for each light")
       ->type_name("FILE");
-  command.add_option("--join-threshold", a.options.join_threshold,
+  command.add_option("--join-threshold", a.options.tuning.join_threshold,
                      "Planes left behind go when a side has no more nodes than this (16)");
 }
 

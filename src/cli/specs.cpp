@@ -67,10 +67,11 @@ Light parse_light(const std::string& spec) {
   const auto numbers = colon == std::string::npos
                            ? std::nullopt
                            : parse_numbers(std::string_view(spec).substr(colon + 1));
-  if ((kind != "point" && kind != "sun") || !numbers || numbers->size() != 3)
-    throw Error("--light: '" + spec + "' is neither point:x,y,z nor sun:dx,dy,dz");
+  const bool directional = kind == "directional" || kind == "sun";
+  if ((kind != "point" && !directional) || !numbers || numbers->size() != 3)
+    throw Error("--light: '" + spec + "' is neither point:x,y,z nor directional:dx,dy,dz");
   const Vec3 v((*numbers)[0], (*numbers)[1], (*numbers)[2]);
-  const Light light = kind == "point" ? Light::point(v) : Light::directional(v);
+  const Light light = directional ? Light::directional(v) : Light::point(v);
   try {
     Scene().add(light);  // the scene's own checks
   } catch (const Error& error) {
@@ -80,8 +81,10 @@ Light parse_light(const std::string& spec) {
 }
 
 std::string light_spec(const Light& light) {
-  return (light.kind == Light::Kind::point ? "point:" : "sun:") + number_text(light.at.x()) + "," +
-         number_text(light.at.y()) + "," + number_text(light.at.z());
+  const bool point = light.kind == Light::Kind::point;
+  const Vec3& v = point ? light.position : light.direction;
+  return (point ? "point:" : "sun:") + number_text(v.x()) + "," + number_text(v.y()) + "," +
+         number_text(v.z());
 }
 
 io::View parse_view(const std::string& spec, const Scene& scene) {

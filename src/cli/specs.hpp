@@ -10,7 +10,7 @@
 
 namespace shadowcut::cli {
 
-// point:x,y,z or sun:dx,dy,dz, three finite numbers and nothing else.
+// point:x,y,z, directional:dx,dy,dz or sun:dx,dy,dz, three finite numbers and nothing else.
 Light parse_light(const std::string& spec);
 
 // The same language for a light that came otherwise.

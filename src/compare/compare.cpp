@@ -36,8 +36,8 @@ CutScene cut_by_bsp(const Scene& scene, std::uint32_t candidates) {
   CutScene cut;
   for (std::size_t o = 0; o < meshes.size(); ++o) {
     const Object& object = scene.objects()[o];
-    cut.scene.add(meshes[o], {object.name, Pose::Identity(), object.sides, object.casts,
-                              object.receives, object.moves});
+    cut.scene.add(meshes[o], {object.name, Pose::Identity(), object.sides, object.casts_shadows,
+                              object.receives_shadows, object.dynamic});
     cut.facet_of.insert(cut.facet_of.end(), facets[o].begin(), facets[o].end());
   }
   return cut;

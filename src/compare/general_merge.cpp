@@ -182,7 +182,7 @@ class Merger {
     while (!rest.empty()) {
       auto [at, region] = std::move(rest.back());
       rest.pop_back();
-      if (at == none) continue;
+      if (at == invalid_index) continue;
       if (tree_.nodes[at].kind == Node::Kind::pp) {
         rest.emplace_back(tree_.nodes[at].child[0], std::move(region));
         continue;
@@ -208,8 +208,8 @@ class Merger {
 
   void merge_roots(Pair& pair) {
     const std::uint32_t here = tree_.child_at(pair.place), other = pair.other;
-    if (other == none) return;
-    if (here == none) return tree_.put(pair.place, other);
+    if (other == invalid_index) return;
+    if (here == invalid_index) return tree_.put(pair.place, other);
     ++tree_.counts.visits;
     tree_.put(other_place, other);
     if (tree_.nodes[here].kind == Node::Kind::pp) {
@@ -250,13 +250,13 @@ class Merger {
     while (!rest.empty()) {
       const Step step = rest.back();
       rest.pop_back();
-      if (step.at == none) continue;
+      if (step.at == invalid_index) continue;
       ++tree_.counts.partitions;
       // The node itself goes on on the positive side, a copy on the negative one; clean_up() sees
       // which are needed.
       const std::uint32_t at = step.at, twin = copy_of(at);
       const std::uint32_t below[2] = {tree_.nodes[at].child[0], tree_.nodes[at].child[1]};
-      tree_.nodes[at].child[0] = tree_.nodes[at].child[1] = none;
+      tree_.nodes[at].child[0] = tree_.nodes[at].child[1] = invalid_index;
       tree_.put(step.places[0], at), tree_.put(step.places[1], twin);
       made.push_back(at), made.push_back(twin);
       if (tree_.nodes[at].kind == Node::Kind::pp) {
@@ -306,7 +306,7 @@ class Merger {
 
   // The list of a PP-node that m divides: to each part what may be on its side.
   void divide_list(std::uint32_t positive, std::uint32_t negative, const Vec3& m) {
-    for (std::uint32_t r = tree_.nodes[positive].first; r != none;) {
+    for (std::uint32_t r = tree_.nodes[positive].first; r != invalid_index;) {
       const std::uint32_t next = tree_.next_record(r), surface = tree_.surface_of_record(r);
       const Sides2 sides = compare::sides_of(tree_.surfaces[surface].rays, m);
       if (sides.negative || !sides.positive) tree_.add_record(negative, surface);
@@ -324,22 +324,24 @@ class Merger {
       if (node.kind != Node::Kind::sp) continue;
       const std::uint32_t inner = node.child[0];
       const bool bounds =
-          inner != none && tree_.nodes[inner].surface == node.surface &&
-          (tree_.nodes[inner].kind == Node::Kind::pp || tree_.nodes[inner].owner != none);
-      tree_.set_owner(*at, !bounds                                     ? none
+          inner != invalid_index && tree_.nodes[inner].surface == node.surface &&
+          (tree_.nodes[inner].kind == Node::Kind::pp || tree_.nodes[inner].owner != invalid_index);
+      tree_.set_owner(*at, !bounds                                     ? invalid_index
                            : tree_.nodes[inner].kind == Node::Kind::pp ? inner
                                                                        : tree_.nodes[inner].owner);
       if (bounds) continue;
-      if (arc(*at).extent == Extent::none || (inner == none && node.child[1] == none))
+      if (arc(*at).extent == Extent::none ||
+          (inner == invalid_index && node.child[1] == invalid_index))
         tree_.collapse(*at);
-      else if (inner == none || node.child[1] == none) idle_.push_back(*at);
+      else if (inner == invalid_index || node.child[1] == invalid_index) idle_.push_back(*at);
     }
   }
 
   void collapse_idle() {
     for (std::uint32_t at : idle_) {
-      while (tree_.nodes[at].kind == Node::Kind::sp && tree_.nodes[at].owner == none &&
-             (tree_.nodes[at].child[0] == none || tree_.nodes[at].child[1] == none)) {
+      while (tree_.nodes[at].kind == Node::Kind::sp && tree_.nodes[at].owner == invalid_index &&
+             (tree_.nodes[at].child[0] == invalid_index ||
+              tree_.nodes[at].child[1] == invalid_index)) {
         const std::uint32_t above = tree_.nodes[at].parent;
         tree_.collapse(at);
         if (Svbsp::is_top(above)) break;
@@ -356,7 +358,7 @@ class Merger {
     while (!rest.empty()) {
       const std::uint32_t at = rest.back();
       rest.pop_back();
-      if (at == none) continue;
+      if (at == invalid_index) continue;
       ++tree_.counts.partitions;
       if (tree_.nodes[at].kind == Node::Kind::sp) {
         seen.push_back(at);

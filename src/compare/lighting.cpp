@@ -22,18 +22,18 @@ Lighting::Lighting(const Scene& scene, const Light& light)
       tolerance_(tolerance_of(scene)),
       roles_(scene.facets().size()),
       facing_(scene.faces().size(), Facing::refused) {
-  check(light, "light");
+  light.check("light");
   const LightSpace space(light, box_of(scene));
   std::vector<std::uint8_t> light_inside;
   for (const Object& object : scene.objects()) {
     const bool solid = light.kind == Light::Kind::point && object.sides == Sides::closed;
-    light_inside.push_back(solid && in_or_on_solid(scene, object, light.at));
+    light_inside.push_back(solid && in_or_on_solid(scene, object, light.position));
   }
   for (std::uint32_t f = 0; f < scene.faces().size(); ++f) {
     const Face& face = scene.faces()[f];
     if (face.facet_count == 0) continue;
     const bool reached = within_range(scene, face, light);
-    const bool looks = scene.objects()[face.object].receives;
+    const bool looks = scene.objects()[face.object].receives_shadows;
     facing_[f] = !looks ? Facing::ignored : reached ? Facing::away : Facing::out_of_reach;
     if (!reached) continue;
     for (std::uint32_t i = face.first_facet; i < face.first_facet + face.facet_count; ++i) {
@@ -50,12 +50,13 @@ Lighting::Role Lighting::role_of(std::uint32_t i, bool light_inside,
   const Orientation turned = space.orientation(scene_.planes()[facet.plane]);
   if (turned == Orientation::edge_on) return {};
   const bool lightless = turned == Orientation::away && object.sides == Sides::closed;
-  return {object.receives && !lightless, object.casts && (!lightless || light_inside)};
+  return {object.receives_shadows && !lightless,
+          object.casts_shadows && (!lightless || light_inside)};
 }
 
 Vec3 Lighting::travel(const Vec3& x) const {
-  return light_.kind == Light::Kind::point ? Vec3(x - light_.at)
-                                           : light_.at.stableNormalized().eval();
+  return light_.kind == Light::Kind::point ? Vec3(x - light_.position)
+                                           : light_.direction.stableNormalized().eval();
 }
 
 double Lighting::in_front_of(const HalfSpace& plane) const {

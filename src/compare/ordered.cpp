@@ -40,7 +40,8 @@ class Ordered : public ShadowVolumes {
   std::size_t bytes() const override { return nodes_.capacity() * sizeof(Node); }
 
  private:
-  static constexpr std::uint32_t out = none, in = none - 1;  // leaves, in place of nodes
+  static constexpr std::uint32_t out = invalid_index,
+                                 in = invalid_index - 1;  // leaves, in place of nodes
   struct Node {
     HalfSpace plane;         // its front is inside
     std::uint32_t child[2];  // outside, inside
@@ -57,12 +58,12 @@ class Ordered : public ShadowVolumes {
   };
 
   std::uint32_t& child(std::uint32_t node, std::uint32_t side) {
-    return node == none ? root_ : nodes_[node].child[side];
+    return node == invalid_index ? root_ : nodes_[node].child[side];
   }
 
   void filter(const Polygon& polygon) {
     parts_.clear();
-    parts_.push_back({polygon, none, 0, 0, State::divided});
+    parts_.push_back({polygon, invalid_index, 0, 0, State::divided});
     for (std::size_t i = 0; i < parts_.size(); ++i) sink(i);
   }
 

@@ -37,7 +37,7 @@ struct PolygonCorner {
 };
 
 struct Polygon {
-  std::uint32_t facet = none;
+  std::uint32_t facet = invalid_index;
   boost::container::small_vector<PolygonCorner, 6> corners;
 };
 

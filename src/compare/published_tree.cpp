@@ -41,7 +41,7 @@ void PublishedTree::Impl::enter(std::uint32_t id, bool light_inside) {
   const Plane& plane = scene.planes()[facet.plane];
   const Orientation turned = space.orientation(plane);
   if (!within_range(scene, face, light) || turned == Orientation::edge_on) return;
-  if (!space.far() && !meets_all_corners(scene, facet, light.at)) return;
+  if (!space.far() && !meets_all_corners(scene, facet, light.position)) return;
   const bool is_far_side = turned == Orientation::away && object.sides == Sides::closed;
   if (is_far_side && !light_inside) return;
 
@@ -64,8 +64,8 @@ void PublishedTree::Impl::enter(std::uint32_t id, bool light_inside) {
   s.q = Vec3(q.q[0], q.q[1], q.q[2]);
   s.q_size = s.q.norm();
   s.face = facet.face;
-  s.in_tree = object.casts;
-  s.may_be_lit = object.receives && !is_far_side;
+  s.in_tree = object.casts_shadows;
+  s.may_be_lit = object.receives_shadows && !is_far_side;
   facets_of[face.object].push_back(id);
 }
 
@@ -73,9 +73,9 @@ void PublishedTree::Impl::insert(std::uint32_t index) {
   if (facets_of.size() <= index) facets_of.resize(scene.objects().size());
   if (!facets_of[index].empty()) return;
   const Object& object = scene.objects()[index];
-  const bool light_inside = object.casts && light.kind == Light::Kind::point &&
+  const bool light_inside = object.casts_shadows && light.kind == Light::Kind::point &&
                             object.sides == Sides::closed &&
-                            in_or_on_solid(scene, object, light.at);
+                            in_or_on_solid(scene, object, light.position);
   for (std::uint32_t id = object.first_facet; id < object.first_facet + object.facet_count; ++id)
     if (scene.facets()[id].corner_count != 0) enter(id, light_inside);
   for (const std::uint32_t id : facets_of[index]) {
@@ -103,7 +103,7 @@ double PublishedTree::Impl::lit_area(std::uint32_t id) const {
     auto [outline, place] = std::move(rest.back());
     rest.pop_back();
     const std::uint32_t at = tree.child_at(place);
-    if (at == none) {
+    if (at == invalid_index) {
       area += area_of(outline, surface.q);
       continue;
     }
@@ -128,7 +128,7 @@ double PublishedTree::Impl::lit_area(std::uint32_t id) const {
 }
 
 PublishedTree::PublishedTree(const Scene& scene, const Light& light, Joining joining) {
-  check(light, "the light");
+  light.check("the light");
   impl_ = std::make_unique<Impl>(scene, light, joining);
   for (std::uint32_t object = 0; object < scene.objects().size(); ++object) impl_->insert(object);
 }

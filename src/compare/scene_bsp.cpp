@@ -11,7 +11,7 @@ SceneBsp::SceneBsp(const Scene& scene, std::uint32_t candidates, double toleranc
   for (std::uint32_t i = 0; i < scene.facets().size(); ++i)
     if (scene.facets()[i].corner_count > 0) polygons_.push_back(polygon_of(scene, i));
   for (const Polygon& polygon : polygons_) balls_.push_back(ball_of(polygon));
-  std::vector<Task> tasks(1, {std::vector<std::uint32_t>(polygons_.size()), none, false});
+  std::vector<Task> tasks(1, {std::vector<std::uint32_t>(polygons_.size()), invalid_index, false});
   std::iota(tasks[0].polygons.begin(), tasks[0].polygons.end(), 0u);
   while (!tasks.empty()) {
     Task task = std::move(tasks.back());
@@ -59,8 +59,9 @@ void SceneBsp::divide(Task task, std::uint32_t candidates, std::vector<Task>& ta
                       here = static_cast<std::uint32_t>(nodes_.size());
   const HalfSpace plane = plane_of(root);
   const Carrier cut{Carrier::Kind::plane, scene_.facets()[polygons_[root].facet].plane};
-  nodes_.push_back({plane, static_cast<std::uint32_t>(in_plane_.size()), 0, none, none});
-  if (task.parent != none)
+  nodes_.push_back(
+      {plane, static_cast<std::uint32_t>(in_plane_.size()), 0, invalid_index, invalid_index});
+  if (task.parent != invalid_index)
     (task.in_front ? nodes_[task.parent].front : nodes_[task.parent].back) = here;
   Task front{{}, here, true}, back{{}, here, false};
   for (const std::uint32_t i : task.polygons) {

@@ -36,7 +36,7 @@ class SceneBsp {
   struct Node {
     HalfSpace plane;
     std::uint32_t first = 0, count = 0;  // into in_plane_
-    std::uint32_t front = none, back = none;
+    std::uint32_t front = invalid_index, back = invalid_index;
   };
   struct Task {
     std::vector<std::uint32_t> polygons;
@@ -79,7 +79,7 @@ void SceneBsp::front_to_back(const InFrontOf& in_front_of, const Visit& visit) c
     if (step.near_done)
       visit(std::span<const std::uint32_t>(in_plane_).subspan(node.first, node.count));
     else steps.push_back({step.node, true});
-    if (next != none) steps.push_back({next, false});
+    if (next != invalid_index) steps.push_back({next, false});
   }
 }
 

@@ -55,12 +55,12 @@ bool clip(Outline& outline, const Vec3& n, int side, double tolerance) {
 
 void Svbsp::put(std::uint32_t place, std::uint32_t child) {
   (is_top(place) ? tops_[place - held_place] : nodes[place >> 1].child[place & 1]) = child;
-  if (child != none) nodes[child].parent = place;
+  if (child != invalid_index) nodes[child].parent = place;
 }
 
 std::uint32_t Svbsp::take(std::uint32_t place) {
   const std::uint32_t child = child_at(place);
-  put(place, none);
+  put(place, invalid_index);
   return child;
 }
 
@@ -68,14 +68,21 @@ std::uint32_t Svbsp::add_sp(const Vec3& n, std::uint32_t surface, std::uint32_t 
   std::uint32_t node = static_cast<std::uint32_t>(nodes.size());
   if (free_nodes_.empty()) nodes.emplace_back();
   else node = free_nodes_.back(), free_nodes_.pop_back();
-  nodes[node] = {Node::Kind::sp, n, {none, none}, none, surface, owner, none, none};
+  nodes[node] = {Node::Kind::sp,
+                 n,
+                 {invalid_index, invalid_index},
+                 invalid_index,
+                 surface,
+                 owner,
+                 invalid_index,
+                 invalid_index};
   ++counts.sp_nodes;
-  counts.marked += owner == none;
+  counts.marked += owner == invalid_index;
   return node;
 }
 
 std::uint32_t Svbsp::add_pp(std::uint32_t surface) {
-  const std::uint32_t node = add_sp(Vec3::Zero(), surface, none);
+  const std::uint32_t node = add_sp(Vec3::Zero(), surface, invalid_index);
   --counts.sp_nodes, --counts.marked, ++counts.pp_nodes;
   nodes[node].kind = Node::Kind::pp;
   nodes[node].slot = static_cast<std::uint32_t>(surfaces[surface].pps.size());
@@ -86,7 +93,7 @@ std::uint32_t Svbsp::add_pp(std::uint32_t surface) {
 void Svbsp::release(std::uint32_t node) {
   Node& n = nodes[node];
   if (n.kind == Node::Kind::pp) {
-    while (n.first != none) drop_record(n.first);
+    while (n.first != invalid_index) drop_record(n.first);
     std::vector<std::uint32_t>& pps = surfaces[n.surface].pps;
     nodes[pps.back()].slot = n.slot;
     pps[n.slot] = pps.back();
@@ -94,7 +101,7 @@ void Svbsp::release(std::uint32_t node) {
     --counts.pp_nodes;
   } else {
     --counts.sp_nodes;
-    counts.marked -= n.owner == none;
+    counts.marked -= n.owner == invalid_index;
   }
   n.kind = Node::Kind::free;
   free_nodes_.push_back(node);
@@ -105,20 +112,20 @@ void Svbsp::release_all(std::uint32_t root) {
   while (!rest.empty()) {
     const std::uint32_t node = rest.back();
     rest.pop_back();
-    if (node == none) continue;
+    if (node == invalid_index) continue;
     rest.push_back(nodes[node].child[0]), rest.push_back(nodes[node].child[1]);
     release(node);
   }
 }
 
 void Svbsp::set_owner(std::uint32_t sp, std::uint32_t owner) {
-  counts.marked -= nodes[sp].owner == none, counts.marked += owner == none;
+  counts.marked -= nodes[sp].owner == invalid_index, counts.marked += owner == invalid_index;
   nodes[sp].owner = owner;
 }
 
 void Svbsp::collapse(std::uint32_t sp) {
   const Node& n = nodes[sp];
-  put(n.parent, n.child[0] == none ? n.child[1] : n.child[0]);
+  put(n.parent, n.child[0] == invalid_index ? n.child[1] : n.child[0]);
   release(sp);
 }
 
@@ -135,13 +142,14 @@ void Svbsp::add_record(std::uint32_t pp, std::uint32_t surface) {
   // It may be there already; the shorter of the two lists knows.
   std::vector<std::uint32_t>& mine = surfaces[surface].records;
   std::uint32_t r = nodes[pp].first;
-  for (std::size_t i = 0; i < mine.size() && r != none; ++i, r = records_[r].next)
+  for (std::size_t i = 0; i < mine.size() && r != invalid_index; ++i, r = records_[r].next)
     if (records_[mine[i]].pp == pp || records_[r].surface == surface) return;
   std::uint32_t record = static_cast<std::uint32_t>(records_.size());
   if (free_records_.empty()) records_.emplace_back();
   else record = free_records_.back(), free_records_.pop_back();
-  records_[record] = {surface, pp, nodes[pp].first, none, static_cast<std::uint32_t>(mine.size())};
-  if (nodes[pp].first != none) records_[nodes[pp].first].previous = record;
+  records_[record] = {surface, pp, nodes[pp].first, invalid_index,
+                      static_cast<std::uint32_t>(mine.size())};
+  if (nodes[pp].first != invalid_index) records_[nodes[pp].first].previous = record;
   nodes[pp].first = record;
   mine.push_back(record);
   ++counts.stored;
@@ -149,8 +157,8 @@ void Svbsp::add_record(std::uint32_t pp, std::uint32_t surface) {
 
 void Svbsp::drop_record(std::uint32_t record) {
   const Record r = records_[record];
-  (r.previous == none ? nodes[r.pp].first : records_[r.previous].next) = r.next;
-  if (r.next != none) records_[r.next].previous = r.previous;
+  (r.previous == invalid_index ? nodes[r.pp].first : records_[r.previous].next) = r.next;
+  if (r.next != invalid_index) records_[r.next].previous = r.previous;
   std::vector<std::uint32_t>& mine = surfaces[r.surface].records;
   records_[mine.back()].slot = r.slot;
   mine[r.slot] = mine.back();
@@ -160,7 +168,7 @@ void Svbsp::drop_record(std::uint32_t record) {
 }
 
 void Svbsp::copy_records(std::uint32_t from, std::uint32_t to) {
-  for (std::uint32_t r = nodes[from].first; r != none; r = records_[r].next)
+  for (std::uint32_t r = nodes[from].first; r != invalid_index; r = records_[r].next)
     add_record(to, records_[r].surface);
 }
 
@@ -246,7 +254,7 @@ void Svbsp::run() {
 void Svbsp::filter(Item& item) {
   for (;;) {
     const std::uint32_t here = child_at(item.place);
-    if (here == none) return settle(item);
+    if (here == invalid_index) return settle(item);
     ++counts.visits;
     if (nodes[here].kind == Node::Kind::sp) {
       const Vec3 n = nodes[here].n;
@@ -255,7 +263,7 @@ void Svbsp::filter(Item& item) {
         item.place = here * 2 + (sides.side() < 0);
         continue;
       }
-      if (item.pp != none) open(item, none);
+      if (item.pp != invalid_index) open(item, invalid_index);
       Outline inside, outside;
       split(item.outline, n, epsilon, inside, outside);
       pending_.push_back({item.surface, std::move(outside), here * 2 + 1});
@@ -274,10 +282,10 @@ void Svbsp::filter(Item& item) {
       // Its own polygon's PP-node covers all of the polygon here; otherwise it is behind, or
       // touches.
       add_record(here, item.surface);
-      if (item.pp != none) open(item, here);
+      if (item.pp != invalid_index) open(item, here);
       return;
     }
-    if (item.pp != none) open(item, none);
+    if (item.pp != invalid_index) open(item, invalid_index);
     clip(item.outline, nearer(item.surface, other), 1, touching(item.surface, other));
     add_record(here, item.surface);
     item.place = here * 2;
@@ -286,7 +294,7 @@ void Svbsp::filter(Item& item) {
 
 // At an OUT leaf.
 void Svbsp::settle(Item& item) {
-  if (item.pp == none) {
+  if (item.pp == invalid_index) {
     const std::uint32_t pp = add_pp(item.surface);
     std::uint32_t place = item.place;
     for (const Vec3& n : surfaces[item.surface].lines) {
@@ -309,7 +317,7 @@ void Svbsp::settle(Item& item) {
   while (!rest.empty()) {
     const std::uint32_t node = rest.back();
     rest.pop_back();
-    if (node == none) continue;
+    if (node == invalid_index) continue;
     rest.push_back(nodes[node].child[0]), rest.push_back(nodes[node].child[1]);
     if (nodes[node].kind != Node::Kind::pp) continue;
     for (const std::uint32_t q : targets) bound_by_crossing(node, q);
@@ -321,10 +329,10 @@ void Svbsp::settle(Item& item) {
 // the list instead, or none.
 void Svbsp::open(Item& item, std::uint32_t list_to) {
   const std::uint32_t pp = item.pp;
-  if (list_to == none) {
+  if (list_to == invalid_index) {
     std::vector<Vec3> planes = surfaces[item.surface].lines;
     planes.insert(planes.end(), item.cuts.begin(), item.cuts.end());
-    list_of(pp, planes, item.place, none, pending_);
+    list_of(pp, planes, item.place, invalid_index, pending_);
   } else {
     copy_records(pp, list_to);
   }
@@ -338,9 +346,9 @@ void Svbsp::open(Item& item, std::uint32_t list_to) {
     if (v.outline.empty()) release_all(top_of_volume(v.pp));
     else pending_.push_back(std::move(v));
   }
-  nodes[pp].child[0] = none;
+  nodes[pp].child[0] = invalid_index;
   release_all(top_of_volume(pp));
-  item.pp = none;
+  item.pp = invalid_index;
   item.cuts.clear();
 }
 
@@ -348,7 +356,7 @@ void Svbsp::open(Item& item, std::uint32_t list_to) {
 // volume is. cell: a place that bounds it too.
 void Svbsp::list_of(std::uint32_t pp, const std::vector<Vec3>& planes, std::uint32_t place,
                     std::uint32_t cell, std::vector<Item>& items) {
-  while (nodes[pp].first != none) {
+  while (nodes[pp].first != invalid_index) {
     const std::uint32_t surface = records_[nodes[pp].first].surface;
     drop_record(nodes[pp].first);
     Outline outline = surfaces[surface].rays;
@@ -367,11 +375,11 @@ void Svbsp::collect(std::vector<std::uint32_t> roots, std::vector<Item>& volumes
   while (!roots.empty()) {
     const std::uint32_t root = roots.back();
     roots.pop_back();
-    if (root == none) continue;
+    if (root == invalid_index) continue;
     std::uint32_t node = root;
     for (; nodes[node].kind == Node::Kind::sp; node = nodes[node].child[0])
       roots.push_back(nodes[node].child[1]);
-    Item volume{nodes[node].surface, surfaces[nodes[node].surface].rays, none, node};
+    Item volume{nodes[node].surface, surfaces[nodes[node].surface].rays, invalid_index, node};
     clip_to(volume.outline, nodes[node].parent, &volume.cuts);
     volumes.push_back(std::move(volume));
   }
@@ -384,7 +392,7 @@ void Svbsp::detach(const std::vector<Item>& volumes) {
     const std::uint32_t top = top_of_volume(v.pp);
     nodes[top].parent = held(0);
     for (std::uint32_t node = top; node != v.pp; node = nodes[node].child[0])
-      nodes[node].child[1] = none;
+      nodes[node].child[1] = invalid_index;
   }
 }
 
@@ -395,7 +403,7 @@ void Svbsp::take_apart(std::uint32_t root, std::uint32_t place, std::vector<Item
   while (!rest.empty()) {
     const std::uint32_t node = rest.back();
     rest.pop_back();
-    if (node == none) continue;
+    if (node == invalid_index) continue;
     rest.push_back(nodes[node].child[0]), rest.push_back(nodes[node].child[1]);
     if (nodes[node].kind == Node::Kind::pp) pps.push_back(node);
   }
@@ -423,7 +431,7 @@ void Svbsp::keep_largest(std::vector<std::uint32_t>& roots) const {
       const std::uint32_t node = rest[i].back();
       rest[i].pop_back();
       for (const std::uint32_t child : nodes[node].child)
-        if (child != none) rest[i].push_back(child);
+        if (child != invalid_index) rest[i].push_back(child);
       if (rest[i].empty() && --left == 0) return std::swap(roots[0], roots[last]);
     }
   }
@@ -453,9 +461,9 @@ void Svbsp::take_out(std::uint32_t pp, Joining joining) {
   std::vector<Item> lists, polygons;
   list_of(pp, {}, place, nodes[pp].parent, lists);
   std::vector<std::uint32_t> roots;
-  if (nodes[pp].child[0] != none) roots.push_back(nodes[pp].child[0]);
+  if (nodes[pp].child[0] != invalid_index) roots.push_back(nodes[pp].child[0]);
   for (std::uint32_t up = nodes[pp].parent; up != place; up = nodes[up >> 1].parent)
-    if (nodes[up >> 1].child[1] != none) roots.push_back(nodes[up >> 1].child[1]);
+    if (nodes[up >> 1].child[1] != invalid_index) roots.push_back(nodes[up >> 1].child[1]);
   if (roots.size() > 1) keep_largest(roots);
   counts.joins += roots.empty() ? 0 : roots.size() - 1;
 
@@ -467,7 +475,7 @@ void Svbsp::take_out(std::uint32_t pp, Joining joining) {
   for (std::uint32_t node = top, inner; node != pp; node = inner)
     inner = nodes[node].child[0], release(node);
   release(pp);
-  put(place, roots.empty() ? none : roots[0]);
+  put(place, roots.empty() ? invalid_index : roots[0]);
 
   if (joining == Joining::merge)
     for (const std::uint32_t root : smaller) merge(*this, place, root);
@@ -475,13 +483,13 @@ void Svbsp::take_out(std::uint32_t pp, Joining joining) {
   for (Item& item : polygons) {
     item.place = item.from = place;
     if (!item.outline.empty()) pending_.push_back(std::move(item));
-    else if (item.pp != none) release_all(top_of_volume(item.pp));
+    else if (item.pp != invalid_index) release_all(top_of_volume(item.pp));
   }
   run();
   for (std::uint32_t up = place; !is_top(up);) {
     const std::uint32_t node = up >> 1;
-    if (nodes[node].kind != Node::Kind::sp || nodes[node].owner != none ||
-        (nodes[node].child[0] != none && nodes[node].child[1] != none))
+    if (nodes[node].kind != Node::Kind::sp || nodes[node].owner != invalid_index ||
+        (nodes[node].child[0] != invalid_index && nodes[node].child[1] != invalid_index))
       break;
     up = nodes[node].parent;
     collapse(node);
@@ -496,7 +504,7 @@ std::string Svbsp::validate() const {
   while (!rest.empty()) {
     const auto [at, place] = rest.back();
     rest.pop_back();
-    if (at == none) continue;
+    if (at == invalid_index) continue;
     const Node& node = nodes[at];
     if (node.kind == Node::Kind::free) return "a branch leads to a released node";
     if (node.parent != place) return "a node does not know its place";
@@ -507,7 +515,7 @@ std::string Svbsp::validate() const {
       if (node.slot >= surfaces[node.surface].pps.size() ||
           surfaces[node.surface].pps[node.slot] != at)
         return "a PP-node is not in its polygon's location list";
-      for (std::uint32_t r = node.first; r != none; r = records_[r].next, ++stored) {
+      for (std::uint32_t r = node.first; r != invalid_index; r = records_[r].next, ++stored) {
         const Record& record = records_[r];
         if (record.pp != at || surfaces[record.surface].records[record.slot] != r)
           return "a list and a location list do not agree";
@@ -516,13 +524,14 @@ std::string Svbsp::validate() const {
     }
     ++sps;
     rest.emplace_back(node.child[1], at * 2 + 1);
-    if (node.owner == none) {
+    if (node.owner == invalid_index) {
       ++marked;
-      if (node.child[0] == none || node.child[1] == none) return "a marked node divides nothing";
+      if (node.child[0] == invalid_index || node.child[1] == invalid_index)
+        return "a marked node divides nothing";
       continue;
     }
     const std::uint32_t inner = node.child[0];
-    if (inner == none) return "a shadow volume has no polygon";
+    if (inner == invalid_index) return "a shadow volume has no polygon";
     if (nodes[inner].kind == Node::Kind::pp ? inner != node.owner
                                             : nodes[inner].owner != node.owner)
       return "the planes of a shadow volume do not follow each other";

@@ -85,7 +85,7 @@ struct Item {
   std::uint32_t surface;
   Outline outline;
   std::uint32_t place;
-  std::uint32_t pp = none;  // a shadow volume that comes whole; otherwise a polygon alone
+  std::uint32_t pp = invalid_index;  // a shadow volume that comes whole; otherwise a polygon alone
   std::uint32_t from = 0;   // the place where the volume set out
   // planes that have cut the volume's outline, besides those of its polygon, positive where it is
   std::vector<Vec3> cuts = {};
@@ -95,7 +95,7 @@ class Svbsp {
  public:
   // A place is a node's side, node * 2 + side; the root; or one of those that hold a subtree while
   // it is moved.
-  static constexpr std::uint32_t root_place = none, held_place = none - 8;
+  static constexpr std::uint32_t root_place = invalid_index, held_place = invalid_index - 8;
   static std::uint32_t held(std::uint32_t k) { return held_place + k; }
   static bool is_top(std::uint32_t place) { return place >= held_place; }
 
@@ -164,7 +164,9 @@ class Svbsp {
   void take_out(std::uint32_t pp, Joining joining);
   void keep_largest(std::vector<std::uint32_t>& roots) const;
 
-  std::array<std::uint32_t, 9> tops_{none, none, none, none, none, none, none, none, none};
+  std::array<std::uint32_t, 9> tops_{invalid_index, invalid_index, invalid_index,
+                                     invalid_index, invalid_index, invalid_index,
+                                     invalid_index, invalid_index, invalid_index};
   std::vector<std::uint32_t> free_nodes_, free_records_;
   std::vector<Record> records_;
   std::vector<Item> pending_;

@@ -90,13 +90,14 @@ class Tiling : public ShadowVolumes {
         grid.depth = sign * Vec3::Unit(axis);
         grid.column = half * (Vec3::Unit((axis + 1) % 3) + grid.depth);
         grid.row = half * (Vec3::Unit((axis + 2) % 3) + grid.depth);
-        place(grid, lighting_.light().at);
+        place(grid, lighting_.light().position);
       }
     }
   }
 
   void make_sheet() {
-    const Vec3 d = lighting_.light().at.stableNormalized(), u = d.unitOrthogonal(), v = d.cross(u);
+    const Vec3 d = lighting_.light().direction.stableNormalized(), u = d.unitOrthogonal(),
+               v = d.cross(u);
     Interval across, along;
     for (const Facet& facet : lighting_.scene().facets()) {
       for (const Corner& corner : lighting_.scene().corners_of(facet)) {

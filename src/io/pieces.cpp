@@ -28,7 +28,8 @@ std::string name_of(const std::vector<std::uint32_t>& lights) {
   return name;
 }
 
-void take_several(const std::vector<std::uint32_t>& engine_lights, LightSets&& all, Pieces& out) {
+void take_several(const std::vector<std::uint32_t>& engine_lights, LightPartition&& all,
+                  Pieces& out) {
   std::map<std::vector<std::uint32_t>, std::uint32_t> sets;
   std::vector<std::uint32_t> lights;
   const auto lights_of = [&](std::size_t fragment) -> const std::vector<std::uint32_t>& {
@@ -43,23 +44,10 @@ void take_several(const std::vector<std::uint32_t>& engine_lights, LightSets&& a
     out.sets.push_back({key, name_of(key)});
   }
   for (std::size_t i = 0; i < all.fragments.size(); ++i) {
-    const LightSets::Fragment& f = all.fragments[i];
+    const LightPartition::Fragment& f = all.fragments[i];
     out.pieces.push_back({f.face, f.facet, sets.at(lights_of(i)), f.corner_count, f.first_corner});
   }
   out.corners = std::move(all.corners);
-}
-
-std::uint64_t hash_of(const Vec3& v) {
-  std::uint64_t hash = 0;
-  for (const double x : v)
-    hash = (std::rotl(hash, 27) ^ std::bit_cast<std::uint64_t>(x)) * 0x9E3779B97F4A7C15u;
-  return hash ^ hash >> 29;
-}
-
-bool same_bits(const Vec3& a, const Vec3& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
-    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
-  });
 }
 
 }  // namespace
@@ -67,7 +55,7 @@ bool same_bits(const Vec3& a, const Vec3& b) {
 std::vector<std::uint32_t> lights_of(const Engine& engine) {
   std::vector<std::uint32_t> lights;
   for (std::uint32_t k = 0; k < engine.light_count(); ++k)
-    if (engine.scene().light_id(k).index != none) lights.push_back(k);
+    if (engine.scene().light_id(k).index != invalid_index) lights.push_back(k);
   return lights;
 }
 
@@ -77,7 +65,7 @@ Pieces pieces_of(const Scene& scene, const Engine& engine) {
   out.light_count = lights.size();
   if (lights.empty()) throw Error("no light");
   if (lights.size() == 1) take_one_light(lights.front(), engine.shadows(lights.front()), out);
-  else take_several(lights, engine.combined(), out);
+  else take_several(lights, engine.overlay(), out);
   std::stable_sort(out.pieces.begin(), out.pieces.end(), [&](const Piece& a, const Piece& b) {
     const std::uint32_t object_a = scene.faces()[a.face].object,
                         object_b = scene.faces()[b.face].object;
@@ -86,31 +74,29 @@ Pieces pieces_of(const Scene& scene, const Engine& engine) {
   return out;
 }
 
+std::size_t VertexPool::Hash::operator()(const Vec3& position) const {
+  std::uint64_t hash = 0;
+  for (const double x : position)
+    hash = (std::rotl(hash, 27) ^ std::bit_cast<std::uint64_t>(x)) * 0x9E3779B97F4A7C15u;
+  return hash ^ hash >> 29;
+}
+
+bool VertexPool::SameBits::operator()(const Vec3& a, const Vec3& b) const {
+  return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
+    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
+  });
+}
+
 std::uint32_t VertexPool::add(const Vec3& position) {
-  if (slots_.size() < 2 * (positions_.size() + 1)) grow();
-  std::uint32_t& slot = slots_[slot_of(position)];
-  if (slot == none) {
-    slot = static_cast<std::uint32_t>(positions_.size());
-    positions_.push_back(position);
-  }
-  return slot;
+  const auto [found, fresh] =
+      numbers_.try_emplace(position, static_cast<std::uint32_t>(positions_.size()));
+  if (fresh) positions_.push_back(position);
+  return found->second;
 }
 
 void VertexPool::clear() {
   positions_.clear();
-  slots_.clear();
-}
-
-void VertexPool::grow() {
-  slots_.assign(std::max<std::size_t>(16, 2 * slots_.size()), none);
-  for (std::uint32_t i = 0; i < positions_.size(); ++i) slots_[slot_of(positions_[i])] = i;
-}
-
-std::size_t VertexPool::slot_of(const Vec3& position) const {
-  std::size_t slot = hash_of(position) & (slots_.size() - 1);
-  while (slots_[slot] != none && !same_bits(positions_[slots_[slot]], position))
-    slot = (slot + 1) & (slots_.size() - 1);
-  return slot;
+  numbers_.clear();
 }
 
 }  // namespace shadowcut::io

@@ -2,6 +2,8 @@
 // by object, each with its light set.
 #pragma once
 
+#include <tsl/robin_map.h>
+
 #include <cstdint>
 #include <shadowcut/shadows.hpp>
 #include <span>
@@ -50,12 +52,14 @@ class VertexPool {
   const std::vector<Vec3>& positions() const { return positions_; }
 
  private:
-  void grow();
-  // the slot that holds it, or the empty one where it belongs
-  std::size_t slot_of(const Vec3& position) const;
-
+  struct Hash {
+    std::size_t operator()(const Vec3& position) const;
+  };
+  struct SameBits {
+    bool operator()(const Vec3& a, const Vec3& b) const;
+  };
   std::vector<Vec3> positions_;
-  std::vector<std::uint32_t> slots_;  // a power of two; none: empty
+  tsl::robin_map<Vec3, std::uint32_t, Hash, SameBits> numbers_;
 };
 
 }  // namespace shadowcut::io

@@ -119,23 +119,23 @@ class Collector {
     Mesh mesh;
   };
   struct Slot {  // where a vertex stands in the mesh of the part that used it last
-    std::uint32_t part = none, index = 0;
+    std::uint32_t part = invalid_index, index = 0;
   };
 
   void start_object(const char* name) {
     object_ = trimmed(name);
     group_.clear();
-    current_ = none;
+    current_ = invalid_index;
   }
 
   void start_group(const char** names, int count) {
     group_.clear();
     for (int i = 0; i < count; ++i) group_.append(i == 0 ? "" : " ").append(names[i]);
-    current_ = none;
+    current_ = invalid_index;
   }
 
   std::uint32_t part() {
-    if (current_ != none) return current_;
+    if (current_ != invalid_index) return current_;
     const auto [place, is_new] =
         by_name_.try_emplace({object_, group_}, static_cast<std::uint32_t>(parts_.size()));
     if (is_new) {
@@ -169,7 +169,7 @@ class Collector {
   std::string object_, group_;
   std::map<std::pair<std::string, std::string>, std::uint32_t> by_name_;
   std::vector<Part> parts_;
-  std::uint32_t current_ = none;
+  std::uint32_t current_ = invalid_index;
   std::vector<std::uint32_t> loop_;
 };
 
@@ -179,7 +179,7 @@ Scene read_obj(std::string_view text, const std::string& name, const ReadOptions
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
     throw Error(name + ": is UTF-16; an OBJ is read as ASCII or UTF-8");
   Prepared prepared = prepare(text);
-  if (prepared.positions.size() >= none) throw Error(name + ": too many vertices");
+  if (prepared.positions.size() >= invalid_index) throw Error(name + ": too many vertices");
   Collector collector(std::move(prepared.positions));
   TextBuffer buffer(prepared.text);
   std::istream in(&buffer);

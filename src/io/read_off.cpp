@@ -67,8 +67,9 @@ class Reader {
       if (word.empty())
         fail("face " + std::to_string(mesh_.face_count()) + " has fewer corners than it says");
       const std::optional<std::int64_t> index = integer_of(word);
-      loop_.push_back(index && *index >= 0 && *index < none ? static_cast<std::uint32_t>(*index)
-                                                            : bad_index);
+      loop_.push_back(index && *index >= 0 && *index < invalid_index
+                          ? static_cast<std::uint32_t>(*index)
+                          : bad_index);
     }
     mesh_.add_face(loop_);
   }

@@ -228,7 +228,7 @@ class Reader {
     const std::uint64_t count = read_length(*property.count_type);
     for (std::uint64_t i = 0; i < count; ++i) {
       const double index = read_value(property.type);
-      const bool proper = index >= 0 && index < none && index == std::floor(index);
+      const bool proper = index >= 0 && index < invalid_index && index == std::floor(index);
       loop_.push_back(proper ? static_cast<std::uint32_t>(index) : bad_index);
     }
     mesh_.add_face(loop_);

@@ -39,8 +39,7 @@ Scene read_scene(const std::string& path, const ReadOptions& options) {
 std::string describe(const Scene& scene, const Issue& issue, const std::string& file) {
   std::string line = file + ": object '" + scene.objects()[issue.object].name + "': face " +
                      std::to_string(issue.face) +
-                     (refuses(issue.reason) ? " refused: " : " repaired: ") +
-                     shadowcut::describe(issue.reason);
+                     (issue.is_refusal() ? " refused: " : " repaired: ") + issue.text();
   if (!issue.detail.empty()) line += " (" + issue.detail + ")";
   return line;
 }

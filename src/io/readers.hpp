@@ -18,7 +18,7 @@ std::string stem_of(const std::string& path);
 Scene empty_scene(const ReadOptions& options);
 
 // Corner index that is out of range in every mesh.
-inline constexpr std::uint32_t bad_index = none;
+inline constexpr std::uint32_t bad_index = invalid_index;
 
 Scene read_ply(std::string_view bytes, const std::string& name, const ReadOptions& options);
 Scene read_off(std::string_view text, const std::string& name, const ReadOptions& options);

@@ -43,7 +43,7 @@ void write_areas(const std::string& path, const Scene& scene, const Engine& engi
     const Shadows& shadows = engine.shadows(k);
     for (std::size_t f = 0; f < scene.faces().size(); ++f) {
       const Face& face = scene.faces()[f];
-      if (face.object == none) continue;
+      if (face.object == invalid_index) continue;
       const FaceArea& area = shadows.areas[f];
       append(text, std::uint64_t{k});
       text.append(",").append(csv_name(scene.objects()[face.object].name)).append(",");

@@ -72,12 +72,12 @@ void write_obj(const std::string& path, const Scene& scene, const Pieces& pieces
     append_position(text, p);
     flush(file, text, block_size);
   }
-  std::uint32_t object = none, set = none;
+  std::uint32_t object = invalid_index, set = invalid_index;
   for (const Piece& piece : pieces.pieces) {
     if (const std::uint32_t mine = scene.faces()[piece.face].object; mine != object) {
       text += "o " + printable(scene.objects()[mine].name) + "\n";
       object = mine;
-      set = none;
+      set = invalid_index;
     }
     if (piece.set != set) text += "usemtl " + material_name(pieces.sets[set = piece.set]) + "\n";
     text += 'f';

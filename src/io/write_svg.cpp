@@ -65,8 +65,8 @@ class Fit {
 // Positive on the front side of the plane, for a point or, when directional, for where the light
 // comes from.
 double side_of(const Plane& plane, const Light& light) {
-  return light.kind == Light::Kind::point ? plane.normal.dot(light.at - plane.point)
-                                          : -plane.normal.dot(light.at);
+  return light.kind == Light::Kind::point ? plane.normal.dot(light.position - plane.point)
+                                          : -plane.normal.dot(light.direction);
 }
 
 // How bright a piece looks from a place: of the lights that reach it, those on the onlooker's side
@@ -85,11 +85,11 @@ class Creases {
  public:
   explicit Creases(const Scene& scene) : scene_(scene), shows_(scene.edges().size(), false) {
     const double smooth = std::cos(std::numbers::pi / 6);
-    std::vector<std::uint32_t> first(shows_.size(), none), count(shows_.size(), 0);
+    std::vector<std::uint32_t> first(shows_.size(), invalid_index), count(shows_.size(), 0);
     for (const Facet& facet : scene.facets()) {
       for (const Corner& c : scene.corners_of(facet)) {
         const std::uint32_t edge = c.edge >> 1;
-        if (first[edge] == none) first[edge] = facet.plane;
+        if (first[edge] == invalid_index) first[edge] = facet.plane;
         else if (std::abs(scene.planes()[first[edge]].normal.dot(
                      scene.planes()[facet.plane].normal)) < smooth)
           shows_[edge] = true;
@@ -224,7 +224,7 @@ class Plan {
 
   void mark(const Light& light, const Fit& fit) {
     if (light.kind != Light::Kind::point) return;
-    const Point at = fit(frame_.flat(light.at));
+    const Point at = fit(frame_.flat(light.position));
     if (at.x() < 0 || at.y() < 0 || at.x() > page_.width() || at.y() > page_.height()) return;
     page_.title(light.name.empty() ? "light" : light.name);
     page_.disc(at, 5, Colour(1, 0.8, 0.2), ink);
@@ -247,7 +247,7 @@ class Plan {
 // ---- face
 
 std::string draw_face(const Scene& scene, const Pieces& pieces, const View& view) {
-  if (view.face >= scene.faces().size() || scene.faces()[view.face].object == none)
+  if (view.face >= scene.faces().size() || scene.faces()[view.face].object == invalid_index)
     throw Error("no such face to draw");
   const Face& face = scene.faces()[view.face];
   const Object& object = scene.objects()[face.object];
@@ -301,7 +301,7 @@ class CameraView {
   std::string draw() {
     Options options;
     options.threads = view_.threads;
-    options.edits = false;
+    options.tuning.incremental = false;
     std::vector<Light> lights = lights_;
     lights.push_back(Light::point(view_.eye));
     const std::size_t eye = lights.size() - 1;
@@ -309,7 +309,7 @@ class CameraView {
     scene.replace_lights(lights);
     Engine engine(scene, options);
     engine.update();
-    const LightSets all = engine.combined();
+    const LightPartition all = engine.overlay();
     for (std::size_t i = 0; i < all.fragments.size(); ++i)
       if (all.reaches(i, eye)) paint(all, i);
     for (const auto& [a, b] : lines_) page_.line(a, b, ink, 0.7);
@@ -317,8 +317,8 @@ class CameraView {
   }
 
  private:
-  void paint(const LightSets& all, std::size_t i) {
-    const LightSets::Fragment& fragment = all.fragments[i];
+  void paint(const LightPartition& all, std::size_t i) {
+    const LightPartition::Fragment& fragment = all.fragments[i];
     const std::uint32_t object = scene_.faces()[fragment.face].object;
     const std::span<const Vec3> corners = all.corners_of(fragment);
     if (!project(corners)) return;
@@ -355,15 +355,15 @@ class CameraView {
   }
 
   // One brightness for a whole face and light, so that only shadows divide it.
-  Colour shade(const LightSets& all, std::size_t i, std::uint32_t object) const {
+  Colour shade(const LightPartition& all, std::size_t i, std::uint32_t object) const {
     const Plane& plane = scene_.planes()[scene_.facets()[all.fragments[i].facet].plane];
     const double eye_side = plane.normal.dot(view_.eye - plane.point);
     double light = 0;
     for (std::size_t k = 0; k < lights_.size(); ++k) {
       if (!all.reaches(i, k) || side_of(plane, lights_[k]) * eye_side <= 0) continue;
       const Vec3 to_light = lights_[k].kind == Light::Kind::point
-                                ? Vec3(lights_[k].at - plane.point)
-                                : Vec3(-lights_[k].at);
+                                ? Vec3(lights_[k].position - plane.point)
+                                : Vec3(-lights_[k].direction);
       light += (0.6 + 0.4 * std::abs(plane.normal.dot(to_light.normalized()))) /
                static_cast<double>(lights_.size());
     }

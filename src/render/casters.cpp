@@ -13,7 +13,7 @@ std::vector<Caster> casters_of(const Scene& scene, const Light& light) {
     const Object& object = scene.objects()[scene.faces()[facet.face].object];
     const Plane& plane = scene.planes()[facet.plane];
     const double away = plane.normal.dot(away_from(light, plane.point));
-    if (!object.casts || away == 0 || (away > 0 && object.sides == Sides::closed)) continue;
+    if (!object.casts_shadows || away == 0 || (away > 0 && object.sides == Sides::closed)) continue;
     Caster caster{f, {}};
     for (const Corner& corner : scene.corners_of(facet)) caster.vertices.push_back(corner.vertex);
     if (away > 0) std::reverse(caster.vertices.begin(), caster.vertices.end());

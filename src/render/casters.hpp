@@ -19,7 +19,7 @@ std::vector<Caster> casters_of(const Scene& scene, const Light& light);
 
 // The direction from the light through x; of any length.
 inline Vec3 away_from(const Light& light, const Vec3& x) {
-  return light.kind == Light::Kind::point ? Vec3(x - light.at) : light.at;
+  return light.kind == Light::Kind::point ? Vec3(x - light.position) : light.direction;
 }
 
 }  // namespace shadowcut::render

@@ -78,11 +78,12 @@ class LitBuffers {
   };
 
   void paint(const Scene& scene, const FragmentBuffers::Range& range) {
-    std::uint32_t last = none;
+    std::uint32_t last = invalid_index;
     Paint colour{};
     for (std::size_t v = range.first; v < std::size_t{range.first} + range.count; ++v) {
       const std::uint32_t object = fragments_.objects()[v];
-      if (object != last) colour = object == none ? Paint{} : paint_of(scene.objects()[object]);
+      if (object != last)
+        colour = object == invalid_index ? Paint{} : paint_of(scene.objects()[object]);
       last = object;
       colours_[v] = colour;
     }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "polygon.hpp"
+#include "scene/scene_access.hpp"
 
 namespace shadowcut::render {
 namespace {
@@ -113,9 +114,9 @@ Model::Model(const Scene& scene)
 }
 
 void Model::scene_changed(const Scene& scene) {
-  for (const std::uint32_t object : scene.changed_since(known_))
+  for (const std::uint32_t object : SceneAccess::changed_since(scene, known_))
     if (object >= ranges_.size() || !upload_in_place(scene, object)) return upload(scene);
-  known_ = scene.revision();
+  known_ = SceneAccess::revision(scene);
 }
 
 // False when the object needs another place: it has another number of triangles, or receives or
@@ -123,7 +124,7 @@ void Model::scene_changed(const Scene& scene) {
 bool Model::upload_in_place(const Scene& scene, std::uint32_t index) {
   const Object& object = scene.objects()[index];
   const Range& range = ranges_[index];
-  const std::size_t part = (object.receives ? 0 : 2) + (object.casts ? 0 : 1);
+  const std::size_t part = (object.receives_shadows ? 0 : 2) + (object.casts_shadows ? 0 : 1);
   if (range.first < ends_[part] || range.first + range.count > ends_[part + 1]) return false;
   std::vector<Vertex> vertices;
   for (std::uint32_t f = object.first_facet; f < object.first_facet + object.facet_count; ++f)
@@ -137,7 +138,7 @@ bool Model::upload_in_place(const Scene& scene, std::uint32_t index) {
 }
 
 void Model::upload(const Scene& scene) {
-  known_ = scene.revision();
+  known_ = SceneAccess::revision(scene);
   ranges_.assign(scene.objects().size(), {});
   std::vector<Vertex> vertices;
   std::size_t part = 0;
@@ -147,7 +148,7 @@ void Model::upload(const Scene& scene) {
       if (scene.facets()[f].corner_count == 0) continue;
       const std::uint32_t index = scene.faces()[scene.facets()[f].face].object;
       const Object& object = scene.objects()[index];
-      if (object.receives != receives || object.casts != casts) continue;
+      if (object.receives_shadows != receives || object.casts_shadows != casts) continue;
       Range& range = ranges_[index];
       if (range.count == 0) range.first = static_cast<GLint>(vertices.size());
       append_triangles(*this, scene, f, vertices);
@@ -275,7 +276,8 @@ void Model::draw_ambient(const Frame& frame) const {
 void Model::use_light(const Program& program, const Frame& frame, const Light& light,
                       std::size_t lights) const {
   const bool point = light.kind == Light::Kind::point;
-  const Vec3f at = point ? shifted(light.at) : light.at.stableNormalized().cast<float>().eval();
+  const Vec3f at =
+      point ? shifted(light.position) : light.direction.stableNormalized().cast<float>().eval();
   program.use();
   program.set("clip", frame.shifted_clip);
   use_wind(program);

@@ -39,11 +39,11 @@ class Divider {
   std::uint32_t edge(const Corner& corner) const { return (corner.edge >> 1) - object_.first_edge; }
 
   void find_neighbours() {
-    at_edge_.assign(object_.edge_count, {none, none});
+    at_edge_.assign(object_.edge_count, {invalid_index, invalid_index});
     for (std::uint32_t f = 0; f < object_.facet_count; ++f)
       for (const Corner& corner : scene_.corners_of(facet(f))) {
         auto& [a, b] = at_edge_[edge(corner)];
-        (a == none ? a : b) = f;
+        (a == invalid_index ? a : b) = f;
       }
   }
 
@@ -51,7 +51,7 @@ class Divider {
   void for_each_neighbour(std::uint32_t f, const Use& use) const {
     for (const Corner& corner : scene_.corners_of(facet(f)))
       for (const std::uint32_t g : at_edge_[edge(corner)])
-        if (g != f && g != none) use(g);
+        if (g != f && g != invalid_index) use(g);
   }
 
   // All corners of facet g are behind the front of f's plane turned to the light (side 1), or

@@ -3,6 +3,7 @@
 // the scene. Against self-shadowing, what is drawn is moved away from the light (glPolygonOffset),
 // and what is looked up off its face.
 #include "light_projection.hpp"
+#include "scene/scene_access.hpp"
 #include "technique.hpp"
 
 namespace shadowcut::render {
@@ -55,8 +56,8 @@ class ShadowMap : public Technique {
         framebuffer_(make_framebuffer()) {}
 
   void update() override {
-    if (known_ == scene_.revision() && wind_ == model_.wind()) return;
-    known_ = scene_.revision();
+    if (known_ == SceneAccess::revision(scene_) && wind_ == model_.wind()) return;
+    known_ = SceneAccess::revision(scene_);
     wind_ = model_.wind();
     GLint before = 0, viewport[4];
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &before);
@@ -77,12 +78,12 @@ class ShadowMap : public Technique {
     program.set("texel", maps_[k].texel);
     program.set("off_face", settings_.texel_bias);
     if (point) {
-      const Vec3f at = model_.shifted(light.at);
+      const Vec3f at = model_.shifted(light.position);
       program.set("place", Eigen::Vector4f(at.x(), at.y(), at.z(), 1));
       program.set("nearest", maps_[k].nearest);
     } else {
       program.set("map_clip", maps_[k].clip);
-      program.set("travel", light.at.stableNormalized().cast<float>().eval());
+      program.set("travel", light.direction.stableNormalized().cast<float>().eval());
     }
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(point ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D, maps_[k].texture.get());
@@ -130,11 +131,11 @@ class ShadowMap : public Technique {
   void draw_cube(const Light& light, const Map& map) {
     GLenum face = GL_TEXTURE_CUBE_MAP_POSITIVE_X;
     for (const CubeAxes& axes : cube_axes())
-      draw_depths(face++, map, cube_face(model_.shifted(light.at), axes, map.nearest));
+      draw_depths(face++, map, cube_face(model_.shifted(light.position), axes, map.nearest));
   }
 
   void draw_sheet(const Light& light, Map& map) {
-    const Vec3f d = light.at.stableNormalized().cast<float>(), u = d.unitOrthogonal(),
+    const Vec3f d = light.direction.stableNormalized().cast<float>(), u = d.unitOrthogonal(),
                 v = d.cross(u);
     const float size = static_cast<float>(model_.radius()) * 1.001f;
     map.clip.row(0).head<3>() = u / size, map.clip.row(1).head<3>() = v / size,

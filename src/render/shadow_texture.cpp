@@ -101,7 +101,7 @@ void ShadowTexture::update() {
   mobilities_ = {}, receivers_ = textures_ = made_ = drawn_ = 0,
   texels_ = buffer_ms_ = textures_ms_ = 0;
   for (std::size_t k = 0; k < lights_.size(); ++k) {
-    if (scene_.light_id(k).index == none) lights_[k].reset();
+    if (scene_.light_id(k).index == invalid_index) lights_[k].reset();
     else update_light(k);
   }
   const auto number = [](std::size_t n) { return static_cast<double>(n); };
@@ -148,7 +148,7 @@ std::vector<ShadowTexture::Receiver> ShadowTexture::find_receivers(const Lit& li
                                                                    const Light& light,
                                                                    std::uint32_t index) const {
   const Object& object = scene_.objects()[index];
-  if (!object.alive || !object.receives) return {};
+  if (!object.alive || !object.receives_shadows) return {};
   std::vector<GLint> firsts;  // by facet of the object
   GLint end = 0;
   for (std::uint32_t f = object.first_facet; f < object.first_facet + object.facet_count; ++f) {
@@ -255,7 +255,7 @@ void ShadowTexture::add_light(const Frame& frame, std::size_t k) {
   model_.use_light(lit_, frame, light, scene_.lights().size());
   lit_.set("shadow", 0);
   lit_.set("side", static_cast<float>(choices_.side));
-  if (point) lit_.set("place", model_.shifted(light.at));
+  if (point) lit_.set("place", model_.shifted(light.position));
   glDepthMask(GL_FALSE);
   glDepthFunc(GL_EQUAL);
   glEnable(GL_BLEND);

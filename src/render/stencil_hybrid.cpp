@@ -19,6 +19,7 @@
 
 #include "casters.hpp"
 #include "lighting.hpp"
+#include "scene/scene_access.hpp"
 #include "scene_bsp.hpp"
 #include "shadow_volumes.hpp"
 #include "technique.hpp"
@@ -190,9 +191,9 @@ class Hybrid : public Technique {
 
   void update() override {
     // lights are not in the BSP
-    if (!known_ || !scene_.changed_since(*known_).empty())
+    if (!known_ || !SceneAccess::changed_since(scene_, *known_).empty())
       prepared_ = std::make_unique<Prepared>(scene_);
-    known_ = scene_.revision();
+    known_ = SceneAccess::revision(scene_);
     phases_ = {};
     before_ = after_ = caps_ = 0;
     glFinish();

@@ -13,6 +13,7 @@
 // volume in front, which two sides should have left as it was. Section 3.2's mask is also the mask
 // of the comparison. Nothing is said of a camera within a volume: only one side of it is then seen,
 // and what lies in it comes out wrong (tests/system/render_test.cpp has the case).
+#include "scene/scene_access.hpp"
 #include "technique.hpp"
 
 namespace shadowcut::render {
@@ -53,11 +54,12 @@ class Kolic : public Technique {
   }
 
   void update() override {
-    if (known_ == scene_.revision()) return;
-    known_ = scene_.revision();
+    if (known_ == SceneAccess::revision(scene_)) return;
+    known_ = SceneAccess::revision(scene_);
     std::vector<VolumeVertex> vertices;
     for (const Facet& facet : scene_.facets()) {
-      if (facet.corner_count == 0 || !scene_.objects()[scene_.faces()[facet.face].object].casts)
+      if (facet.corner_count == 0 ||
+          !scene_.objects()[scene_.faces()[facet.face].object].casts_shadows)
         continue;
       const auto corners = scene_.corners_of(facet);
       for (std::size_t i = 2; i < corners.size(); ++i)
@@ -73,8 +75,8 @@ class Kolic : public Technique {
   void add_light(const Frame& frame, std::size_t k) override {
     const Light& light = scene_.lights()[k];
     const bool point = light.kind == Light::Kind::point;
-    const Vec3f at =
-        point ? model_.shifted(light.at) : light.at.stableNormalized().cast<float>().eval();
+    const Vec3f at = point ? model_.shifted(light.position)
+                           : light.direction.stableNormalized().cast<float>().eval();
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glDepthMask(GL_FALSE);
     // the triangle fails on itself, and so takes back what its volume did there

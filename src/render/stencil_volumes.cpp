@@ -13,6 +13,7 @@
 // shading. Of solids that hold the light the facets turned away cast too in the engine; here a
 // solid's own sides do not.
 #include "casters.hpp"
+#include "scene/scene_access.hpp"
 #include "technique.hpp"
 #include "volume_buffer.hpp"
 
@@ -25,8 +26,8 @@ class StencilVolumes : public Technique {
       : scene_(scene), model_(model), zfail_(zfail) {}
 
   void update() override {
-    if (known_ == scene_.revision()) return;
-    known_ = scene_.revision();
+    if (known_ == SceneAccess::revision(scene_)) return;
+    known_ = SceneAccess::revision(scene_);
     while (lights_.size() > scene_.lights().size()) lights_.pop_back();
     while (lights_.size() < scene_.lights().size()) lights_.emplace_back(model_);
     shadow_polygons_ = 0;

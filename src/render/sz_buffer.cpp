@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "light_projection.hpp"
+#include "scene/scene_access.hpp"
 
 namespace shadowcut::render {
 namespace {
@@ -58,7 +59,8 @@ struct Bounds {
 // Rows: to the right, up, and along the light. Seen along the light it is no mirror image.
 Eigen::Matrix3f sheet_axes(const Light& light) {
   Eigen::Matrix3f axes;
-  const Vec3f along = light.at.stableNormalized().cast<float>(), right = along.unitOrthogonal();
+  const Vec3f along = light.direction.stableNormalized().cast<float>(),
+              right = along.unitOrthogonal();
   axes.row(0) = right, axes.row(1) = right.cross(along), axes.row(2) = along;
   return axes;
 }
@@ -127,16 +129,16 @@ KeptBinding::~KeptBinding() {
 // False when the views are what they were.
 bool LightViews::aim() {
   const Light& light = scene_.lights()[light_];
-  if (!clips_.empty() && light_known_ == scene_.light_revision(light_) &&
+  if (!clips_.empty() && light_known_ == SceneAccess::light_revision(scene_, light_) &&
       std::all_of(moving_.begin(), moving_.end(),
                   [this](std::uint32_t object) { return covers(object); }))
     return false;
-  light_known_ = scene_.light_revision(light_);
+  light_known_ = SceneAccess::light_revision(scene_, light_);
   clips_.clear();
   if (light.kind == Light::Kind::point) {
     for (const auto& axes : cube_axes())
-      clips_.push_back(
-          cube_face(model_.shifted(light.at), axes, static_cast<float>(model_.radius() / 512)));
+      clips_.push_back(cube_face(model_.shifted(light.position), axes,
+                                 static_cast<float>(model_.radius() / 512)));
     return true;
   }
   const Eigen::Matrix3f axes = sheet_axes(light);
@@ -165,8 +167,8 @@ bool LightViews::covers(std::uint32_t object) const {
 }
 
 void LightViews::advance() {
-  moving_ = scene_.changed_since(known_);
-  known_ = scene_.revision();
+  moving_ = SceneAccess::changed_since(scene_, known_);
+  known_ = SceneAccess::revision(scene_);
   before_.clear();
   afresh_ = aim();
   if (afresh_) return start();
@@ -200,7 +202,7 @@ bool LightViews::disturbed(std::size_t view, const Rectangle& pixels) const {
 
 LightViews::Seen LightViews::look_at(std::uint32_t index) const {
   const Object& object = scene_.objects()[index];
-  Seen seen{object.alive && object.casts, {}};
+  Seen seen{object.alive && object.casts_shadows, {}};
   std::vector<std::uint32_t> facets(object.facet_count);
   for (std::uint32_t k = 0; k < object.facet_count; ++k) facets[k] = object.first_facet + k;
   for (std::size_t view = 0; view < clips_.size(); ++view)

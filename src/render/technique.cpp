@@ -50,7 +50,7 @@ void draw(const Frame& frame, const Scene& scene, const Model& model, Technique&
   technique.update();
   model.draw_ambient(frame);
   for (std::size_t k = 0; k < scene.lights().size(); ++k) {
-    if (scene.light_id(k).index == none) continue;
+    if (scene.light_id(k).index == invalid_index) continue;
     technique.add_light(frame, k);
     glDisable(GL_STENCIL_TEST);
     model.add_light(frame, scene.lights()[k], scene.lights().size(), false);

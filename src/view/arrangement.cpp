@@ -7,8 +7,8 @@ namespace shadowcut::view {
 namespace {
 
 // All ids here are of things that this class knows to be there.
-void require(Edit edit) {
-  if (edit != Edit::done) throw Error("the scene was changed behind the window's back");
+void require(Status edit) {
+  if (edit != Status::ok) throw Error("the scene was changed behind the window's back");
 }
 
 template <class Things, class Id>
@@ -26,7 +26,7 @@ Arrangement::Arrangement(Scene& scene) : scene_(scene) {
     if (scene.objects()[k].alive)
       things_.push_back({scene.object_id(k), scene.objects()[k].pose, {}});
   for (std::size_t k = 0; k < scene.lights().size(); ++k)
-    if (scene.light_id(k).index != none)
+    if (scene.light_id(k).index != invalid_index)
       lamps_.push_back({scene.light_id(k), scene.lights()[k], scene.lights()[k]});
 }
 
@@ -47,7 +47,7 @@ void Arrangement::remove(bool is_light, std::uint32_t index) {
     away_.emplace_back(true, static_cast<std::size_t>(&lamp - lamps_.data()));
   } else {
     Thing& thing = named(things_, scene_.object_id(index));
-    thing.removed = scene_.given(thing.id);
+    thing.removed = scene_.source(thing.id);
     require(scene_.remove(thing.id));
     away_.emplace_back(false, static_cast<std::size_t>(&thing - things_.data()));
   }
@@ -75,7 +75,9 @@ void Arrangement::reset() {
     if (scene_.find(thing.id)->pose.matrix() != thing.home.matrix())
       require(scene_.set_pose(thing.id, thing.home));
   for (const Lamp& lamp : lamps_)
-    if (scene_.find(lamp.id)->at != lamp.home.at) require(scene_.set_light(lamp.id, lamp.home));
+    if (const Light& now = *scene_.find(lamp.id);
+        now.position != lamp.home.position || now.direction != lamp.home.direction)
+      require(scene_.set_light(lamp.id, lamp.home));
 }
 
 std::string name_of(const Scene& scene, bool is_light, std::uint32_t index) {

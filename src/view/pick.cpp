@@ -75,13 +75,14 @@ std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> Screen::line(const Ve
 }
 
 Vec3 marker_of(const Light& light, const Eigen::AlignedBox3d& box) {
-  if (light.kind == Light::Kind::point) return light.at;
-  return box.center() - 0.75 * box.diagonal().norm() * light.at.stableNormalized();
+  if (light.kind == Light::Kind::point) return light.position;
+  return box.center() - 0.75 * box.diagonal().norm() * light.direction.stableNormalized();
 }
 
 Light moved_to(const Light& light, const Vec3& marker, const Eigen::AlignedBox3d& box) {
   Light moved = light;
-  moved.at = light.kind == Light::Kind::point ? marker : Vec3(box.center() - marker);
+  if (light.kind == Light::Kind::point) moved.position = marker;
+  else moved.direction = box.center() - marker;
   return moved;
 }
 
@@ -98,7 +99,7 @@ std::optional<Hit> pick_facet(const Scene& scene, const Screen& screen,
     nearest = t;
     hit.facet = f;
   }
-  if (hit.facet == none) return std::nullopt;
+  if (hit.facet == invalid_index) return std::nullopt;
   hit.index = scene.faces()[scene.facets()[hit.facet].face].object;
   hit.at = ray.from + nearest * ray.along;
   return hit;
@@ -109,12 +110,12 @@ std::optional<Hit> pick(const Scene& scene, const Screen& screen, const Eigen::V
   double nearest = radius;
   std::optional<Hit> hit;
   for (std::uint32_t k = 0; k < scene.lights().size(); ++k) {
-    if (scene.light_id(k).index == none) continue;
+    if (scene.light_id(k).index == invalid_index) continue;
     const Vec3 at = marker_of(scene.lights()[k], box);
     const auto marker = screen.pixel(at);
     if (!marker || (*marker - pixel).norm() > nearest) continue;
     nearest = (*marker - pixel).norm();
-    hit = Hit{true, k, none, at};
+    hit = Hit{true, k, invalid_index, at};
   }
   return hit ? hit : pick_facet(scene, screen, pixel);
 }

@@ -30,13 +30,13 @@ struct Screen {
 
 struct Hit {
   bool is_light = false;
-  std::uint32_t index = none;  // of the object, or of the light
-  std::uint32_t facet = none;  // of an object
+  std::uint32_t index = invalid_index;  // of the object, or of the light
+  std::uint32_t facet = invalid_index;  // of an object
   Vec3 at;                     // the point hit; of a light, where its marker is
 };
 
-// Where a light is marked: a point light where it is, a sun where it comes from, outside of
-// everything.
+// Where a light is marked: a point light where it is, a directional light where its rays come
+// from, outside of everything.
 Vec3 marker_of(const Light& light, const Eigen::AlignedBox3d& box);
 // The light with its marker at another place.
 Light moved_to(const Light& light, const Vec3& marker, const Eigen::AlignedBox3d& box);

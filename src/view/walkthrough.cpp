@@ -21,6 +21,7 @@
 #include "fragment_marks.hpp"
 #include "offscreen.hpp"
 #include "pick.hpp"
+#include "scene/scene_access.hpp"
 #include "technique.hpp"
 #include "walk.hpp"
 #include "window.hpp"
@@ -181,7 +182,7 @@ void Walkthrough::run() {
       picture_stale_ = true;
     }
     if (size_.empty()) continue;
-    if (scene_.revision() != known_) follow_scene();
+    if (SceneAccess::revision(scene_) != known_) follow_scene();
     if (picture_stale_) draw_scene();
     if (window_stale_) show();
   }
@@ -316,7 +317,7 @@ void Walkthrough::follow_cursor() {
   drag_->held = dragged(drag_->held, screen().ray(cursor_), walker_.camera(), upright, reach);
   if (selection_->is_light) {
     const Light to = moved_to(drag_->light, drag_->held, box_);
-    if (to.kind == Light::Kind::point || to.at.norm() > 0)
+    if (to.kind == Light::Kind::point || to.direction.norm() > 0)
       arrangement_.set_light(selection_->index, to);
   } else {
     arrangement_.set_pose(selection_->index,
@@ -393,23 +394,24 @@ void Walkthrough::follow_scene() {
   if (other_) timed(*other_, updates_);
   timed(*fragments_, other_ ? engine_updates_ : updates_);
   // the scene has changed, not the technique alone
-  if (std::exchange(engine_known_, scene_.revision()) != scene_.revision()) {
+  if (std::exchange(engine_known_, SceneAccess::revision(scene_)) !=
+      SceneAccess::revision(scene_)) {
     for (const auto& [name, value] : fragments_->figures()) {
       if (name == "fragments_gone") gone_ = value;
       if (name == "fragments_new") added_ = value;
     }
   }
-  known_ = scene_.revision();
+  known_ = SceneAccess::revision(scene_);
   picture_stale_ = marks_stale_ = true;
 }
 
 // The light whose fragments are shown: the one picked last, or the first that is there; none when
 // all are gone.
 std::uint32_t Walkthrough::shown_light() const {
-  if (scene_.light_id(light_).index != none) return light_;
+  if (scene_.light_id(light_).index != invalid_index) return light_;
   for (std::uint32_t k = 0; k < scene_.lights().size(); ++k)
-    if (scene_.light_id(k).index != none) return k;
-  return none;
+    if (scene_.light_id(k).index != invalid_index) return k;
+  return invalid_index;
 }
 
 void Walkthrough::draw_scene() {
@@ -421,7 +423,7 @@ void Walkthrough::draw_scene() {
   glFinish();
   draws_.add(seconds_since(start));
   const std::uint32_t light = shown_light();
-  if ((outlines_ || cells_) && light != none) {
+  if ((outlines_ || cells_) && light != invalid_index) {
     if (marks_stale_) marks_.set(engine(), light, model_);
     marks_stale_ = false;
     if (cells_) marks_.draw_cells(frame);
@@ -443,7 +445,7 @@ void Walkthrough::show() {
 // The first free number; through another file, so that nobody finds half of one.
 void Walkthrough::write_screenshot(bool with_overlay) {
   if (size_.empty()) return;
-  if (scene_.revision() != known_) follow_scene();
+  if (SceneAccess::revision(scene_) != known_) follow_scene();
   draw_scene();
   if (with_overlay) {
     target_->bind();
@@ -492,7 +494,7 @@ ImVec2 Walkthrough::describe_figures() {
   Stats sum;
   std::size_t lights = 0;
   for (std::uint32_t k = 0; k < scene_.lights().size(); ++k) {
-    if (scene_.light_id(k).index == none) continue;
+    if (scene_.light_id(k).index == invalid_index) continue;
     const Stats& stats = engine().shadows(k).stats;
     sum.lit_fragments += stats.lit_fragments, sum.shadowed_fragments += stats.shadowed_fragments;
     sum.nodes += stats.nodes, sum.marked_nodes += stats.marked_nodes, sum.cells += stats.cells,
@@ -515,7 +517,7 @@ ImVec2 Walkthrough::describe_figures() {
                 outlines_ && cells_ ? "outlines and cells"
                 : outlines_         ? "outlines"
                                     : "cells",
-                light == none ? "no light" : name_of(scene_, true, light).c_str());
+                light == invalid_index ? "no light" : name_of(scene_, true, light).c_str());
   }
   describe_selection();
   if (!settings_.note.empty())
@@ -532,9 +534,10 @@ void Walkthrough::describe_selection() {
   const std::string name = name_of(scene_, selection_->is_light, selection_->index);
   if (selection_->is_light) {
     const Light& light = scene_.lights()[selection_->index];
-    const bool sun = light.kind == Light::Kind::directional;
-    ImGui::Text("selected: %s, %s %.3f, %.3f, %.3f", name.c_str(), sun ? "travels" : "at",
-                light.at.x(), light.at.y(), light.at.z());
+    const bool point = light.kind == Light::Kind::point;
+    const Vec3& v = point ? light.position : light.direction;
+    ImGui::Text("selected: %s, %s %.3f, %.3f, %.3f", name.c_str(), point ? "at" : "direction",
+                v.x(), v.y(), v.z());
     return;
   }
   const Object& object = scene_.objects()[selection_->index];
@@ -588,7 +591,7 @@ void Walkthrough::draw_markers() {
   const Screen view = screen();
   const float radius = static_cast<float>(marker_radius) * window_.text_scale();
   for (std::uint32_t k = 0; k < scene_.lights().size(); ++k) {
-    if (scene_.light_id(k).index == none) continue;
+    if (scene_.light_id(k).index == invalid_index) continue;
     const Vec3 at = marker_of(scene_.lights()[k], box_);
     const auto pixel = view.pixel(at);
     if (!pixel) continue;
@@ -634,8 +637,8 @@ void Walkthrough::draw_box_of_selected() {
 Light light_for(const Scene& scene) {
   const Eigen::AlignedBox3d box = box_of(scene);
   Light light = Light::point(box.center());
-  light.at.z() = is_room(scene) ? box.max().z() - 0.08 * box.sizes().z()
-                                : box.max().z() + 0.3 * box.diagonal().norm();
+  light.position.z() = is_room(scene) ? box.max().z() - 0.08 * box.sizes().z()
+                                      : box.max().z() + 0.3 * box.diagonal().norm();
   light.name = "lamp";
   return light;
 }

@@ -3,7 +3,6 @@
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
-#include <X11/Xlib.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 #include <unistd.h>
@@ -12,6 +11,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <shadowcut/scene.hpp>
+
+// Xlib comes last: it defines words such as Status as macros.
+#include <X11/Xlib.h>
 
 namespace shadowcut::view {
 namespace {

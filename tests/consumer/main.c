@@ -23,7 +23,7 @@ int main(void) {
   shadowcut_face_area area = {0, 0, 0, 0, 0};
   int good = shadowcut_scene_create(&scene) == SHADOWCUT_OK && add_square(scene, 8, 0) &&
              add_square(scene, 1, 1) && shadowcut_light_init(&light) == SHADOWCUT_OK;
-  light.at[2] = 2;
+  light.position[2] = 2;
   good = good && shadowcut_cast_shadows(scene, &light, NULL, &shadows) == SHADOWCUT_OK &&
          shadowcut_shadows_areas(shadows, 0, 1, &area) == SHADOWCUT_OK;
   printf("shadowed: %.12g of %.12g\n", area.shadowed, area.area);

@@ -85,21 +85,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Options options;
   options.threads = 1;
   const std::uint8_t choice = source.byte();
-  options.order = static_cast<Order>(choice % 3);
-  options.facets_per_cell = choice & 8 ? 2 : choice & 16 ? 0 : 64;
+  options.tuning.order = static_cast<Order>(choice % 3);
+  options.tuning.facets_per_cell = choice & 8 ? 2 : choice & 16 ? 0 : 64;
   Light light = choice & 32 ? Light::directional(source.point(false))
                             : Light::point(source.point(choice & 64));
-  if (light.kind == Light::Kind::directional && light.at.isZero()) light.at.z() = -1;
+  if (light.kind == Light::Kind::directional && light.direction.isZero()) light.direction.z() = -1;
   Scene scene;
   for (int k = 0; k < 12 && !source.empty(); ++k) {
     const std::uint8_t kind = source.byte();
     ObjectSettings settings;
     settings.sides = kind & 16 ? Sides::open : Sides::automatic;
-    settings.casts = !(kind & 32) || !(kind & 64);
-    settings.moves = kind & 128;
+    settings.casts_shadows = !(kind & 32) || !(kind & 64);
+    settings.dynamic = kind & 128;
     scene.add(some_mesh(source, kind), settings);
   }
-  options.edits = false;
+  options.tuning.incremental = false;
   scene.replace_lights({&light, 1});
   const auto run = [&](Kernel kernel, Form form, double least) {
     options.kernel = kernel, options.form = form, options.min_feature.area = least;
@@ -108,8 +108,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string complaint = engine.validate();
     require(complaint.empty(), complaint.c_str());
     check(scene, engine.shadows(0));
-    for (const double open : engine.undecided(0))
-      require(open >= 0 && std::isfinite(open), "an undecided area is no area");
+    for (const double open : engine.uncertain_area(0))
+      require(open >= 0 && std::isfinite(open), "an uncertain area is no area");
   };
   for (const Form form : {Form::pieces, Form::merged, Form::conforming}) run(Kernel::fast, form, 0);
   run(Kernel::exact, choice & 128 ? Form::pieces : Form::merged, 0);

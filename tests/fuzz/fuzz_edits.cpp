@@ -36,7 +36,7 @@ Mesh some_mesh(Source& source, std::uint8_t kind) {
 
 Light some_light(Source& source, std::uint8_t kind) {
   Light light = kind & 1 ? Light::directional(source.point()) : Light::point(source.point());
-  if (light.kind == Light::Kind::directional && light.at.isZero()) light.at.z() = -1;
+  if (light.kind == Light::Kind::directional && light.direction.isZero()) light.direction.z() = -1;
   // nothing lies at such a distance exactly
   if (light.kind == Light::Kind::point && kind & 2) light.range = 1.53125 + source.byte() % 8;
   return light;
@@ -66,9 +66,9 @@ class History {
     Options o;
     o.threads = 1;
     o.form = static_cast<Form>(choice % 3);
-    o.order = static_cast<Order>(choice / 4 % 3);
-    o.facets_per_cell = choice & 16 ? 2 : choice & 32 ? 0 : 64;
-    o.join_threshold = choice & 64 ? 0 : choice & 128 ? 1000000 : 16;
+    o.tuning.order = static_cast<Order>(choice / 4 % 3);
+    o.tuning.facets_per_cell = choice & 16 ? 2 : choice & 32 ? 0 : 64;
+    o.tuning.join_threshold = choice & 64 ? 0 : choice & 128 ? 1000000 : 16;
     return o;
   }
 
@@ -76,8 +76,8 @@ class History {
     const std::uint8_t kind = source_.byte();
     ObjectSettings settings;
     settings.sides = kind & 16 ? Sides::open : Sides::automatic;
-    settings.casts = !(kind & 32) || !(kind & 64);
-    settings.moves = kind & 128;
+    settings.casts_shadows = !(kind & 32) || !(kind & 64);
+    settings.dynamic = kind & 128;
     meshes_.push_back(some_mesh(source_, kind));
     objects_.push_back(scene_.add(meshes_.back(), settings));
   }
@@ -87,7 +87,7 @@ class History {
     const ObjectId id = objects_[k];
     const Object* object = scene_.find(id);
     Pose pose = object ? object->pose : Pose::Identity();
-    Edit done = Edit::done;
+    Status done = Status::ok;
     switch (how % 12) {
       case 0:
       case 1:
@@ -110,10 +110,10 @@ class History {
         if (objects_.size() < 10) add();
         break;
       case 6:
-        done = scene_.set_casts(id, source_.byte() & 1);
+        done = scene_.set_casts_shadows(id, source_.byte() & 1);
         break;
       case 7:
-        done = scene_.set_receives(id, source_.byte() & 1);
+        done = scene_.set_receives_shadows(id, source_.byte() & 1);
         break;
       case 8: {
         std::vector<Vec3>& vertices = meshes_[k].vertices;
@@ -125,14 +125,14 @@ class History {
         done = scene_.set_light(scene_.light_id(0), some_light(source_, source_.byte()));
         break;
       case 10:
-        if (scene_.lights().size() < 2 || scene_.light_id(1).index == none)
+        if (scene_.lights().size() < 2 || scene_.light_id(1).index == invalid_index)
           scene_.add(some_light(source_, source_.byte()));
         else done = scene_.remove(scene_.light_id(1));
         break;
       default:
         objects_[k] = scene_.find(id) ? id : scene_.add(meshes_[k], {});
     }
-    require(done == Edit::done || (done == Edit::stale && !object), "an edit was refused");
+    require(done == Status::ok || (done == Status::stale && !object), "an edit was refused");
   }
 
   static Eigen::Matrix3d quarter(std::uint8_t axis) {
@@ -158,7 +158,7 @@ class History {
     const std::string complaint = engine_.validate();
     require(complaint.empty(), complaint.c_str());
     for (std::size_t k = 0; k < scene_.lights().size(); ++k) {
-      if (scene_.light_id(k).index != none) check(k);
+      if (scene_.light_id(k).index != invalid_index) check(k);
     }
   }
 

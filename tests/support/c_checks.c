@@ -60,7 +60,7 @@ shadowcut_object_id add_square(shadowcut_scene* scene, double side, double z, co
 shadowcut_light point_light(double x, double y, double z) {
   shadowcut_light light;
   OK(shadowcut_light_init(&light));
-  light.at[0] = x, light.at[1] = y, light.at[2] = z;
+  light.position[0] = x, light.position[1] = y, light.position[2] = z;
   return light;
 }
 

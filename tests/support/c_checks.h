@@ -70,7 +70,7 @@ void test_issues(void);
 void test_cast(void);
 void test_same_as_cpp(void);
 void test_engine(void);
-void test_combined(void);
+void test_overlay(void);
 void test_mirrors(uint64_t seed);
 void test_buffers(void);
 void test_memory_of_updates(int first);

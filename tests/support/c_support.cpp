@@ -35,7 +35,8 @@ shadowcut_object_id enter(shadowcut_scene* scene, const shadowcut::Mesh& mesh,
   expect_ok(shadowcut_object_settings_init(&settings));
   settings.name = as.name.c_str();
   settings.sides = static_cast<std::int32_t>(as.sides);
-  settings.casts = as.casts, settings.receives = as.receives, settings.moves = as.moves;
+  settings.casts_shadows = as.casts_shadows, settings.receives_shadows = as.receives_shadows,
+  settings.dynamic = as.dynamic;
   for (int r = 0; r < 4; ++r)
     for (int c = 0; c < 4; ++c) settings.pose[4 * r + c] = as.pose.matrix()(r, c);
   shadowcut_object_id id;
@@ -54,11 +55,11 @@ uint32_t support_scene(const char* name, int sun, shadowcut_scene* scene,
   shadowcut_light light;
   shadowcut_light_id id;
   expect_ok(shadowcut_light_init(&light));
-  for (int k = 0; k < 3; ++k) light.at[k] = data.light.at[k];
+  for (int k = 0; k < 3; ++k) light.position[k] = data.light.position[k];
   expect_ok(shadowcut_scene_add_light(scene, &light, &id));
   if (!sun) return count;
   light.kind = SHADOWCUT_DIRECTIONAL;
-  for (int k = 0; k < 3; ++k) light.at[k] = sun_direction[k];
+  for (int k = 0; k < 3; ++k) light.direction[k] = sun_direction[k];
   expect_ok(shadowcut_scene_add_light(scene, &light, &id));
   return count;
 }

@@ -143,8 +143,8 @@ struct CgalOracle::Impl {
       : scene(s),
         light(l),
         point_light(l.kind == Light::Kind::point),
-        at(point(l.at)),
-        travel(vector(l.at)) {
+        at(point(l.position)),
+        travel(vector(l.direction)) {
     for (std::uint32_t f = 0; f < scene.facets().size(); ++f) seen.push_back(see(f));
     for (const Face& face : scene.faces()) reached.push_back(reach(face));
     for (std::uint32_t f = 0; f < scene.facets().size(); ++f) {
@@ -152,7 +152,7 @@ struct CgalOracle::Impl {
       const Face& face = scene.faces()[scene.facets()[f].face];
       const Object& object = scene.objects()[face.object];
       const bool away = object.sides == Sides::closed && seen[f].facing < 0;
-      if (object.casts && seen[f].facing != 0 && reached[scene.facets()[f].face] % 2 == 1 &&
+      if (object.casts_shadows && seen[f].facing != 0 && reached[scene.facets()[f].face] % 2 == 1 &&
           !(only_facing && away))
         casters.push_back(f);
     }
@@ -166,14 +166,15 @@ struct CgalOracle::Impl {
     Seen s;
     s.facet = facet;
     const Plane& p = plane(facet);
-    s.extent = point_light ? light.at.cwiseAbs().maxCoeff() : 0;
+    s.extent = point_light ? light.position.cwiseAbs().maxCoeff() : 0;
     for (const Corner& c : scene.corners_of(scene.facets()[facet])) {
       s.corners.push_back(scene.vertices()[c.vertex]);
       s.extent = std::max(s.extent, s.corners.back().cwiseAbs().maxCoeff());
     }
-    const Vec3 to_light = point_light ? Vec3(light.at - p.point) : Vec3(-light.at);
+    const Vec3 to_light = point_light ? Vec3(light.position - p.point) : Vec3(-light.direction);
     const double height = p.normal.dot(to_light);
-    const double size = point_light ? s.extent + p.point.cwiseAbs().maxCoeff() : light.at.norm();
+    const double size =
+        point_light ? s.extent + p.point.cwiseAbs().maxCoeff() : light.direction.norm();
     // Of a needle a plane says little: its corners could turn it by `tilt`.
     s.unsure = std::abs(height) <= 1e-9 * size + 4 * (p.tilt * to_light.norm() + p.flatness);
     s.facing = std::abs(height) <= 1e-14 * size ? 0 : height > 0 ? 1 : -1;
@@ -182,10 +183,11 @@ struct CgalOracle::Impl {
     for (std::size_t i = 0; i < s.corners.size(); ++i) {
       const Vec3 &a = s.corners[i], &b = s.corners[(i + 1) % s.corners.size()];
       if (point_light) {
-        s.sides.push_back({(b - light.at).cross(a - light.at), light.at,
-                           (b - light.at).norm() * (a - light.at).norm()});
+        s.sides.push_back({(b - light.position).cross(a - light.position), light.position,
+                           (b - light.position).norm() * (a - light.position).norm()});
       } else {
-        s.sides.push_back({(b - a).cross(light.at), a, (b - a).norm() * light.at.norm()});
+        s.sides.push_back(
+            {(b - a).cross(light.direction), a, (b - a).norm() * light.direction.norm()});
       }
     }
     return s;
@@ -200,14 +202,14 @@ struct CgalOracle::Impl {
     for (std::uint32_t k = 0; k < face.facet_count; ++k) {
       const Seen& s = seen[face.first_facet + k];
       const Plane& p = plane(face.first_facet + k);
-      const double height = p.normal.dot(light.at - p.point);
+      const double height = p.normal.dot(light.position - p.point);
       bool foot_inside = true, axis_inside = true;
       for (std::size_t i = 0; i < s.corners.size(); ++i) {
         const Vec3 &a = s.corners[i], &b = s.corners[(i + 1) % s.corners.size()];
-        foot_inside = foot_inside && s.normal.cross(b - a).dot(light.at - a) > 0;
+        foot_inside = foot_inside && s.normal.cross(b - a).dot(light.position - a) > 0;
         axis_inside = axis_inside && s.sides[i].normal.dot(axis) > 0;
-        distance = std::min(distance, distance_to_segment(light.at, a, b));
-        angle = std::min(angle, angle_to_segment(axis, a - light.at, b - light.at));
+        distance = std::min(distance, distance_to_segment(light.position, a, b));
+        angle = std::min(angle, angle_to_segment(axis, a - light.position, b - light.position));
       }
       if (foot_inside) distance = std::min(distance, std::abs(height));
       if (axis_inside && axis.dot(s.normal) < 0) angle = 0;

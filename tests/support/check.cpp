@@ -35,7 +35,7 @@ class Report {
 };
 
 std::string name_of(const Scene& scene, std::uint32_t face) {
-  if (face >= scene.faces().size() || scene.faces()[face].object == none)
+  if (face >= scene.faces().size() || scene.faces()[face].object == invalid_index)
     return "face " + std::to_string(face) + ", which is no object's,";
   const Face& f = scene.faces()[face];
   return "face " + std::to_string(face) + " (" + scene.objects()[f.object].name + " #" +
@@ -51,7 +51,7 @@ const char* name_of(Facing facing) {
 // False for a face that is no object's.
 bool receives(const Scene& scene, std::uint32_t face) {
   const std::uint32_t object = scene.faces()[face].object;
-  return object != none && scene.objects()[object].receives;
+  return object != invalid_index && scene.objects()[object].receives_shadows;
 }
 
 Vec3 area_vector(std::span<const Vec3> corners) {
@@ -94,13 +94,14 @@ double fragment_tolerance(const Scene& scene, const Light& light, std::uint32_t 
     const Plane& plane = scene.planes()[facet.plane];
     double least = 1;
     for (const Corner& c : scene.corners_of(facet)) {
-      const Vec3 ray =
-          light.kind == Light::Kind::point ? Vec3(scene.vertices()[c.vertex] - light.at) : light.at;
+      const Vec3 ray = light.kind == Light::Kind::point
+                           ? Vec3(scene.vertices()[c.vertex] - light.position)
+                           : light.direction;
       least = std::min(least, std::abs(plane.normal.dot(ray)) / ray.norm());
     }
-    const double off =
-        8 * plane.flatness +
-        0x1p-48 * (extent(scene, facet) + (light.kind == Light::Kind::point ? light.at.norm() : 0));
+    const double off = 8 * plane.flatness +
+                       0x1p-48 * (extent(scene, facet) +
+                                  (light.kind == Light::Kind::point ? light.position.norm() : 0));
     slack += off * diameter(scene, facet) / least;
   }
   return share * f.area + slack;
@@ -223,7 +224,7 @@ std::map<std::uint32_t, FaceCorners> by_face(const Shadows& shadows) {
 void check_fragment(const Scene& scene, const Light& light, const Shadows& shadows,
                     const Fragment& f, std::span<const Vec3> corners, Report& report) {
   if (f.face >= scene.faces().size() || f.facet >= scene.facets().size() ||
-      scene.facets()[f.facet].face != f.face || scene.faces()[f.face].object == none)
+      scene.facets()[f.facet].face != f.face || scene.faces()[f.face].object == invalid_index)
     return report.add("a fragment of face ", f.face, ", facet ", f.facet,
                       ": no such face or facet");
   const Facet& facet = scene.facets()[f.facet];
@@ -232,21 +233,21 @@ void check_fragment(const Scene& scene, const Light& light, const Shadows& shado
   if (corners.size() < 3) return report.add(name, ": a fragment of ", corners.size(), " corners");
   if (!receives(scene, f.face)) report.add(name, ": does not receive, but has a fragment");
   const bool toward = shadows.areas[f.face].facing == Facing::toward;
-  if (f.lit && f.caster != none) report.add(name, ": a lit fragment with a caster");
+  if (f.lit && f.caster != invalid_index) report.add(name, ": a lit fragment with a caster");
   if (f.lit && !toward)
     report.add(name, ": a lit fragment of a face that is ", name_of(shadows.areas[f.face].facing));
-  if (!f.lit && f.caster != none) {
-    if (f.caster >= scene.faces().size() || scene.faces()[f.caster].object == none)
+  if (!f.lit && f.caster != invalid_index) {
+    if (f.caster >= scene.faces().size() || scene.faces()[f.caster].object == invalid_index)
       return report.add(name, ": its caster, face ", f.caster, ", does not exist");
-    if (!scene.objects()[scene.faces()[f.caster].object].casts)
+    if (!scene.objects()[scene.faces()[f.caster].object].casts_shadows)
       report.add(name, ": caster ", name_of(scene, f.caster), " does not cast");
     if (f.caster == f.face && scene.faces()[f.face].facet_count == 1)
       report.add(name, ": is its own caster");
   }
   const Vec3 vector = area_vector(corners);
   const double scale = extent(scene, facet), size = diameter(scene, facet);
-  const Vec3 to_light =
-      light.kind == Light::Kind::point ? Vec3(light.at - plane.point) : Vec3(-light.at);
+  const Vec3 to_light = light.kind == Light::Kind::point ? Vec3(light.position - plane.point)
+                                                         : Vec3(-light.direction);
   bool back = toward && plane.normal.dot(to_light) < 0 &&
               scene.objects()[scene.faces()[f.face].object].sides == Sides::open;
   // Of a face in several facets one may be seen edge-on while another is toward the light; rounding
@@ -298,18 +299,19 @@ Alone cast_alone(const Scene& scene, const Light& light, const Options& options)
   lone.replace_lights({&light, 1});
   Engine engine(lone, options);
   engine.update();
-  return {engine.shadows(0), engine.undecided(0)};
+  return {engine.shadows(0), engine.uncertain_area(0)};
 }
 
 double polygon_area(std::span<const Vec3> corners) { return area_vector(corners).norm(); }
 
 std::string check_areas(const Scene& scene, const Shadows& shadows, const CgalOracle& oracle,
-                        const Undecided* undecided) {
-  return check_areas(scene, shadows, oracle.areas(), undecided);
+                        const UncertainArea* uncertain) {
+  return check_areas(scene, shadows, oracle.areas(), uncertain);
 }
 
 std::string check_areas(const Scene& scene, const Shadows& shadows,
-                        const std::vector<CgalOracle::Area>& wanted, const Undecided* undecided) {
+                        const std::vector<CgalOracle::Area>& wanted,
+                        const UncertainArea* uncertain) {
   Report report;
   if (shadows.areas.size() != scene.faces().size()) return "areas are not one for each face\n";
   for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
@@ -325,11 +327,11 @@ std::string check_areas(const Scene& scene, const Shadows& shadows,
     const double tolerance = kAreaTolerance * want.area;
     if (std::abs(got.area - want.area) > tolerance)
       report.add(name_of(scene, i), ": area ", got.area, ", should be ", want.area);
-    const double slack = tolerance + (undecided ? (*undecided)[i] : 0),
-                 least = undecided ? want.least_lit : want.lit;
+    const double slack = tolerance + (uncertain ? (*uncertain)[i] : 0),
+                 least = uncertain ? want.least_lit : want.lit;
     if (got.lit > want.lit + slack || got.lit < least - slack)
       report.add(name_of(scene, i), ": lit area ", got.lit, ", should be ", want.lit, " of ",
-                 want.area, ", undecided ", slack - tolerance);
+                 want.area, ", uncertain ", slack - tolerance);
     if (std::abs(got.lit + got.shadowed - got.area) > tolerance)
       report.add(name_of(scene, i), ": lit ", got.lit, " and shadowed ", got.shadowed,
                  " do not make ", got.area);
@@ -338,23 +340,23 @@ std::string check_areas(const Scene& scene, const Shadows& shadows,
 }
 
 std::string check_same_areas(const Scene& scene, const Shadows& a, const Shadows& b,
-                             double tolerance, const Undecided* undecided) {
+                             double tolerance, const UncertainArea* uncertain) {
   Report report;
   if (a.areas.size() != b.areas.size()) return "different numbers of faces\n";
   for (std::uint32_t i = 0; i < a.areas.size(); ++i) {
     const FaceArea &x = a.areas[i], &y = b.areas[i];
     if (x.facing != y.facing)
       report.add(name_of(scene, i), ": is ", name_of(x.facing), " and ", name_of(y.facing));
-    const double slack = undecided ? (*undecided)[i] : 0;
+    const double slack = uncertain ? (*uncertain)[i] : 0;
     if (std::abs(x.lit - y.lit) > tolerance * x.area + slack)
       report.add(name_of(scene, i), ": lit areas ", x.lit, " and ", y.lit, " of ", x.area,
-                 ", undecided ", slack);
+                 ", uncertain ", slack);
   }
   return report.str();
 }
 
 std::string check_same_regions(const Scene& scene, const Light& light, const Shadows& a,
-                               const Shadows& b, const Undecided* undecided) {
+                               const Shadows& b, const UncertainArea* uncertain) {
   Report report;
   const std::vector<FlatFacet> of_a = by_facet(scene, a), of_b = by_facet(scene, b);
   for (std::uint32_t i = 0; i < scene.faces().size(); ++i) {
@@ -370,10 +372,10 @@ std::string check_same_regions(const Scene& scene, const Light& light, const Sha
     }
     if (differs == 0) continue;
     const double rounding = fragment_tolerance(scene, light, i, 0);
-    const double slack = undecided ? (*undecided)[i] : 0;
+    const double slack = uncertain ? (*uncertain)[i] : 0;
     if (differs > kAreaTolerance * face.area + static_cast<double>(fragments) * rounding + slack)
       report.add(name_of(scene, i), ": lit in one and shadowed in the other on ", differs, " of ",
-                 face.area, ", undecided ", slack);
+                 face.area, ", uncertain ", slack);
   }
   return report.str();
 }
@@ -453,8 +455,9 @@ std::string check_fragments(const Scene& scene, const Light& light, const Shadow
     lit_area += a.lit;
   }
   const Stats& s = shadows.stats;
-  const bool all_receive = std::all_of(scene.objects().begin(), scene.objects().end(),
-                                       [](const Object& o) { return o.receives || !o.alive; });
+  const bool all_receive =
+      std::all_of(scene.objects().begin(), scene.objects().end(),
+                  [](const Object& o) { return o.receives_shadows || !o.alive; });
   if (all_receive) {
     if (s.facing_faces != facing)
       report.add("stats: facing_faces ", s.facing_faces, ", should be ", facing);
@@ -488,11 +491,39 @@ std::string check_points(const Scene& scene, const Shadows& shadows, const CgalO
       [&](std::size_t k) { return all[k].fragment->lit; }, oracle, seed, count, contact_may_cast);
 }
 
-std::string check_points(const Scene& scene, const LightSets& sets, std::size_t light,
+std::string check_points(const Scene& scene, const LightPartition& sets, std::size_t light,
                          const CgalOracle& oracle, std::uint64_t seed, int count) {
   return check_points_of(
       scene, sets.fragments, [&](std::size_t k) { return sets.corners_of(sets.fragments[k]); },
       [&](std::size_t k) { return sets.reaches(k, light); }, oracle, seed, count);
+}
+
+std::string check_point_queries(const Engine& engine, std::size_t light, const CgalOracle* oracle,
+                                std::uint64_t seed, int count) {
+  const Scene& scene = engine.scene();
+  const Shadows& shadows = engine.shadows(light);
+  std::vector<std::pair<const Block*, const Fragment*>> all;
+  for (const Block& block : shadows.blocks)
+    for (const Fragment& f : block.fragments) all.emplace_back(&block, &f);
+  if (all.empty()) return {};
+  Report report;
+  scenes::Random random(seed);
+  for (int k = 0; k < count; ++k) {
+    const auto& [block, f] = all[random.below(all.size())];
+    const double scale = extent(scene, scene.facets()[f->facet]);
+    if (f->area < 1e-14 * scale * scale) continue;  // no double lies well inside
+    const auto x = inner_point(block->corners_of(*f), scale, random);
+    if (!x) continue;
+    const bool lit = engine.is_lit(light, f->face, *x);
+    if (lit != f->lit)
+      report.add(name_of(scene, f->face), ": point (", x->transpose(), ") is ", lit ? "" : "not ",
+                 "lit, its fragment, of area ", f->area, ", is ", f->lit ? "lit" : "shadowed");
+    if (oracle == nullptr || oracle->unsure(f->facet) || oracle->in_contact(f->facet, *x)) continue;
+    if (lit != oracle->lit(f->facet, *x))
+      report.add(name_of(scene, f->face), ": point (", x->transpose(), ") is ", lit ? "" : "not ",
+                 "lit, unlike the oracle's");
+  }
+  return report.str();
 }
 
 std::string check_conforming(const Scene& scene, const Shadows& shadows) {
@@ -560,7 +591,7 @@ std::string check_shared_corners(const Scene& scene, const Shadows& shadows) {
   return report.str();
 }
 
-std::vector<double> lit_areas(const Scene& scene, const LightSets& sets, std::size_t light) {
+std::vector<double> lit_areas(const Scene& scene, const LightPartition& sets, std::size_t light) {
   std::vector<double> out(scene.faces().size());
   for (std::size_t k = 0; k < sets.fragments.size(); ++k)
     if (sets.reaches(k, light))

@@ -26,8 +26,9 @@ bool same_bits(const FaceArea& a, const FaceArea& b) {
 }
 
 bool same_fields(const Object& a, const Object& b) {
-  return a.name == b.name && a.sides == b.sides && a.casts == b.casts && a.receives == b.receives &&
-         a.moves == b.moves && a.first_face == b.first_face && a.face_count == b.face_count &&
+  return a.name == b.name && a.sides == b.sides && a.casts_shadows == b.casts_shadows &&
+         a.receives_shadows == b.receives_shadows && a.dynamic == b.dynamic &&
+         a.first_face == b.first_face && a.face_count == b.face_count &&
          a.first_vertex == b.first_vertex && a.vertex_count == b.vertex_count &&
          same_bits(a.signed_volume, b.signed_volume) && a.pose.matrix() == b.pose.matrix() &&
          a.first_facet == b.first_facet && a.facet_count == b.facet_count &&
@@ -53,12 +54,12 @@ bool same_facet(const Scene& a, const Scene& b, std::uint32_t index) {
 // Which entries of an array some object has.
 class Taken {
  public:
-  Taken(const char* array, std::size_t size) : array_(array), of_(size, none) {}
+  Taken(const char* array, std::size_t size) : array_(array), of_(size, invalid_index) {}
   std::string take(std::uint32_t first, std::uint32_t count, std::uint32_t object) {
     if (std::size_t{first} + count > of_.size())
       return text(array_, " of object ", object, " are out of range\n");
     for (std::uint32_t i = first; i < first + count; ++i) {
-      if (of_[i] != none)
+      if (of_[i] != invalid_index)
         return text(array_, " ", i, " is both object ", of_[i], "'s and ", object, "'s\n");
       of_[i] = object;
     }
@@ -113,13 +114,14 @@ bool same_object(const Scene& a, const Scene& b, std::size_t index) {
 
 bool same_light(const Scene& a, const Scene& b, std::size_t index) {
   if (a.light_id(index) != b.light_id(index)) return false;
-  if (a.light_id(index).index == none) return true;
+  if (a.light_id(index).index == invalid_index) return true;
   const Light &x = a.lights()[index], &y = b.lights()[index];
   if (x.spot.has_value() != y.spot.has_value()) return false;
   if (x.spot &&
       (!same_bits(x.spot->axis, y.spot->axis) || x.spot->half_angle != y.spot->half_angle))
     return false;
-  return x.kind == y.kind && same_bits(x.at, y.at) && x.name == y.name && x.range == y.range;
+  return x.kind == y.kind && same_bits(x.position, y.position) &&
+         same_bits(x.direction, y.direction) && x.name == y.name && x.range == y.range;
 }
 
 std::string check_same_scene(const Scene& a, const Scene& b) {
@@ -179,16 +181,16 @@ std::string check_arrays(const Scene& scene) {
   if (!what.empty()) return what;
   for (std::uint32_t i = 0; i < scene.edges().size(); ++i) {
     const Edge& e = scene.edges()[i];
-    if (edges[i] == none) continue;
+    if (edges[i] == invalid_index) continue;
     if (e.a >= e.b || !vertices.is_of(e.a, edges[i]) || !vertices.is_of(e.b, edges[i]))
       return text("edge ", i, ": its ends\n");
   }
   std::set<std::uint32_t> planes_seen;
   for (std::uint32_t i = 0; i < scene.facets().size(); ++i) {
     const Facet& f = scene.facets()[i];
-    if ((facets[i] == none) != (f.corner_count == 0))
+    if ((facets[i] == invalid_index) != (f.corner_count == 0))
       return text("facet ", i, " is no object's and has corners, or the other way round\n");
-    if (facets[i] == none) continue;
+    if (facets[i] == invalid_index) continue;
     if (!faces.is_of(f.face, facets[i]))
       return text("facet ", i, ": its face is not its object's\n");
     const Face& face = scene.faces()[f.face];
@@ -214,9 +216,9 @@ std::string check_arrays(const Scene& scene) {
     const Face& f = scene.faces()[i];
     if (f.object != faces[i])
       return text("face ", i, " names object ", f.object, ", and is ", faces[i], "'s\n");
-    if (f.object == none && (f.facet_count != 0 || f.area != 0))
+    if (f.object == invalid_index && (f.facet_count != 0 || f.area != 0))
       return text("face ", i, " is no object's, and has facets\n");
-    if (f.object != none && f.number != i - scene.objects()[f.object].first_face)
+    if (f.object != invalid_index && f.number != i - scene.objects()[f.object].first_face)
       return text("face ", i, " has another number\n");
     if ((f.facet_count == 0) != (f.area == 0))
       return text("face ", i, ": area ", f.area, " of ", f.facet_count, " facets\n");
@@ -344,7 +346,7 @@ std::string Mirror::apply(const Changes& changes, const Engine& engine) {
   }
   std::size_t alive = 0;
   for (std::uint32_t light = 0; light < engine.light_count(); ++light) {
-    if (engine.scene().light_id(light).index == none) continue;
+    if (engine.scene().light_id(light).index == invalid_index) continue;
     ++alive;
     if (std::string what = compare(light, engine.shadows(light)); !what.empty()) return what;
   }
@@ -370,8 +372,9 @@ std::string Mirror::check_find(const Engine& engine, std::size_t stride) const {
     }
     for (const FragmentId& id :
          {FragmentId{beyond.cell + 1, 0, 0}, FragmentId{0, beyond.piece + 1, 0},
-          FragmentId{0, 0, beyond.place + 1}, FragmentId{none, none, none}, FragmentId{0, none, 0},
-          FragmentId{beyond.cell, 0, none}}) {
+          FragmentId{0, 0, beyond.place + 1},
+          FragmentId{invalid_index, invalid_index, invalid_index}, FragmentId{0, invalid_index, 0},
+          FragmentId{beyond.cell, 0, invalid_index}}) {
       if (!mine.fragments.count(id) && engine.find(light, id))
         return text("light ", light, ": ", name_of(id), " never was, and is found\n");
     }

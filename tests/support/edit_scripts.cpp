@@ -8,6 +8,7 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "light_vector.hpp"
 #include "random_scenes.hpp"
 #include "text.hpp"
 
@@ -168,11 +169,12 @@ bool exactly_in_plane(const Scene& scene, const Facet& facet, const Light& light
     const double level = at(0)[axis];
     const auto here = [&](const Corner& c) { return scene.vertices()[c.vertex][axis] == level; };
     if (std::all_of(corners.begin(), corners.end(), here))
-      return point ? light.at[axis] == level : light.at[axis] == 0;
+      return point ? light.position[axis] == level : light.direction[axis] == 0;
   }
   const auto is_coarse = [&](const Corner& c) { return coarse(scene.vertices()[c.vertex]); };
-  if (!coarse(light.at) || !std::all_of(corners.begin(), corners.end(), is_coarse)) return false;
-  const Vec3 ray = point ? Vec3(light.at - at(0)) : light.at;
+  if (!coarse(vector_of(light)) || !std::all_of(corners.begin(), corners.end(), is_coarse))
+    return false;
+  const Vec3 ray = point ? Vec3(light.position - at(0)) : light.direction;
   for (std::size_t i = 2; i < corners.size(); ++i) {
     if ((at(i - 1) - at(0)).cross(at(i) - at(0)).dot(ray) != 0) return false;
   }
@@ -196,10 +198,10 @@ EditScript::EditScript(const Setting& setting, std::uint64_t seed)
   calm_ = random_.below(2) == 0;
   for (const auto& [mesh, settings] : data.objects) {
     Item item{mesh, settings, {}, true, mesh.vertices, settings.pose, settings.pose};
-    item.settings.moves = random_.below(4) == 0;
+    item.settings.dynamic = random_.below(4) == 0;
     if (random_.below(8) == 0) item.settings.sides = Sides::open;
-    if (random_.below(16) == 0) item.settings.casts = false;
-    if (random_.below(16) == 0) item.settings.receives = false;
+    if (random_.below(16) == 0) item.settings.casts_shadows = false;
+    if (random_.below(16) == 0) item.settings.receives_shadows = false;
     item.id = scene_.add(item.mesh, item.settings);
     items_.push_back(std::move(item));
   }
@@ -287,8 +289,9 @@ std::string EditScript::clear_lights() {
     if (!scene_.find(id)) continue;  // removed by hand
     while (unclear(*scene_.find(id))) {
       Light light = *scene_.find(id);
-      light.at += random_.in_ball(light.kind == Light::Kind::point ? 0.0625 * radius_ : 0.0625);
-      if (!light.at.isZero()) all += set_light(id, light, "; aside: ");
+      vector_of(light) +=
+          random_.in_ball(light.kind == Light::Kind::point ? 0.0625 * radius_ : 0.0625);
+      if (!vector_of(light).isZero()) all += set_light(id, light, "; aside: ");
     }
   }
   return all;
@@ -301,8 +304,8 @@ bool EditScript::unclear(const Light& light) const {
     if (facet.corner_count == 0) return false;
     const Plane& plane = scene_.planes()[facet.plane];
     const double height =
-        point ? plane.normal.dot(light.at - plane.point) : plane.normal.dot(light.at);
-    return std::abs(height) < 1e-5 * far * (point ? radius_ : light.at.norm()) &&
+        point ? plane.normal.dot(light.position - plane.point) : plane.normal.dot(light.direction);
+    return std::abs(height) < 1e-5 * far * (point ? radius_ : light.direction.norm()) &&
            !exactly_in_plane(scene_, facet, light);
   });
 }
@@ -349,7 +352,7 @@ Vec3 EditScript::some_place() {
 }
 
 std::string EditScript::set_pose(Item& item, const Pose& pose, const char* how) {
-  require(scene_.set_pose(item.id, pose) == shadowcut::Edit::done, "set_pose");
+  require(scene_.set_pose(item.id, pose) == shadowcut::Status::ok, "set_pose");
   item.pose_before = item.settings.pose;
   item.settings.pose = pose;
   return text(how, item.settings.name, " to ", place(pose.translation()));
@@ -436,8 +439,8 @@ std::string EditScript::turn() {
 std::string EditScript::move_to_light() {
   Item* item = any_present();
   const LightId id = any_light();
-  if (!item || id.index == none || scene_.find(id)->kind != Light::Kind::point) return {};
-  const Vec3 at = scene_.find(id)->at;
+  if (!item || id.index == invalid_index || scene_.find(id)->kind != Light::Kind::point) return {};
+  const Vec3 at = scene_.find(id)->position;
   const auto [lo, hi] = bounds(*item);
   const int axis = static_cast<int>(random_.below(3));
   switch (random_.below(4)) {
@@ -523,7 +526,7 @@ std::string EditScript::scale() {
 }
 
 void EditScript::remove(std::size_t k) {
-  require(scene_.remove(items_[k].id) == shadowcut::Edit::done, "remove");
+  require(scene_.remove(items_[k].id) == shadowcut::Status::ok, "remove");
   items_[k].present = false;
 }
 
@@ -557,7 +560,7 @@ std::string EditScript::add_copy() {
   Item copy = *item;
   copy.settings.name += "'";
   copy.settings.pose.pretranslate(on_grid(random_.in_ball(0.5 * radius_)));
-  copy.settings.moves = random_.below(2) == 0;
+  copy.settings.dynamic = random_.below(2) == 0;
   copy.pose_before = copy.settings.pose;
   copy.id = scene_.add(copy.mesh, copy.settings);
   items_.push_back(std::move(copy));
@@ -568,18 +571,22 @@ std::string EditScript::toggle_casts() {
   Item* item = any_present();
   if (!item) return {};
   // also to what it is
-  item->settings.casts = random_.below(4) == 0 ? item->settings.casts : !item->settings.casts;
-  require(scene_.set_casts(item->id, item->settings.casts) == shadowcut::Edit::done, "set_casts");
-  return item->settings.name + (item->settings.casts ? " casts" : " does not cast");
+  item->settings.casts_shadows =
+      random_.below(4) == 0 ? item->settings.casts_shadows : !item->settings.casts_shadows;
+  require(scene_.set_casts_shadows(item->id, item->settings.casts_shadows) == shadowcut::Status::ok,
+          "set_casts");
+  return item->settings.name + (item->settings.casts_shadows ? " casts" : " does not cast");
 }
 
 std::string EditScript::toggle_receives() {
   Item* item = any_present();
   if (!item) return {};
-  item->settings.receives = !item->settings.receives;
-  require(scene_.set_receives(item->id, item->settings.receives) == shadowcut::Edit::done,
+  item->settings.receives_shadows = !item->settings.receives_shadows;
+  require(scene_.set_receives_shadows(item->id, item->settings.receives_shadows) ==
+              shadowcut::Status::ok,
           "set_receives");
-  return item->settings.name + (item->settings.receives ? " receives" : " does not receive");
+  return item->settings.name +
+         (item->settings.receives_shadows ? " receives" : " does not receive");
 }
 
 // A face that is flat only within Scene::flatness_tolerance touches whatever comes as near to it as
@@ -593,9 +600,9 @@ bool EditScript::flat_by_tolerance(const Item& item) const {
 }
 
 std::string EditScript::set_vertices(Item& item, std::vector<Vec3> local, const char* how) {
-  require(scene_.set_vertices(item.id, local) == shadowcut::Edit::done, "set_vertices");
+  require(scene_.set_vertices(item.id, local) == shadowcut::Status::ok, "set_vertices");
   if (flat_by_tolerance(item)) {
-    require(scene_.set_vertices(item.id, item.mesh.vertices) == shadowcut::Edit::done,
+    require(scene_.set_vertices(item.id, item.mesh.vertices) == shadowcut::Status::ok,
             "set_vertices");
     return {};
   }
@@ -631,36 +638,36 @@ Light EditScript::some_light() {
   if (random_.below(4) == 0) {
     light = Light::directional(random_.in_ball(1) - Vec3(0, 0, 1.25));
     if (random_.below(2) == 0)
-      light.at = {static_cast<double>(random_.below(3)) - 1,
-                  static_cast<double>(random_.below(3)) - 1, -1};
+      light.direction = {static_cast<double>(random_.below(3)) - 1,
+                         static_cast<double>(random_.below(3)) - 1, -1};
   }
   return light;
 }
 
 std::string EditScript::set_light(LightId id, const Light& light, const char* how) {
-  require(scene_.set_light(id, light) == shadowcut::Edit::done, "set_light");
-  return text(how, "light ", id.index, " to ", place(light.at), ", range ", light.range,
+  require(scene_.set_light(id, light) == shadowcut::Status::ok, "set_light");
+  return text(how, "light ", id.index, " to ", place(vector_of(light)), ", range ", light.range,
               light.spot ? ", a spot" : "");
 }
 
 std::string EditScript::small_light_move() {
   const LightId id = any_light();
-  if (id.index == none) return {};
+  if (id.index == invalid_index) return {};
   Light light = *scene_.find(id);
-  light.at += random_.in_ball(light.kind == Light::Kind::point ? 0.05 * radius_ : 0.125);
+  vector_of(light) += random_.in_ball(light.kind == Light::Kind::point ? 0.05 * radius_ : 0.125);
   return set_light(id, light, "small move: ");
 }
 
 std::string EditScript::new_light_place() {
   const LightId id = any_light();
-  return id.index == none ? std::string() : set_light(id, some_light(), "");
+  return id.index == invalid_index ? std::string() : set_light(id, some_light(), "");
 }
 
 // To a corner of an object, the middle between two, or a point of the grid among them.
 std::string EditScript::light_into_scene() {
   const LightId id = any_light();
   const Item* item = any_present();
-  if (id.index == none || !item) return {};
+  if (id.index == invalid_index || !item) return {};
   const Object& o = *scene_.find(item->id);
   if (o.vertex_count == 0) return {};
   const auto corner = [&] {
@@ -679,7 +686,7 @@ std::string EditScript::light_into_scene() {
 
 std::string EditScript::light_reach() {
   const LightId id = any_light();
-  if (id.index == none || scene_.find(id)->kind != Light::Kind::point) return {};
+  if (id.index == invalid_index || scene_.find(id)->kind != Light::Kind::point) return {};
   Light light = *scene_.find(id);
   light.range = random_.below(3) == 0 ? std::numeric_limits<double>::infinity()
                                       : random_.in(0.25, 2) * radius_;
@@ -692,14 +699,15 @@ std::string EditScript::light_reach() {
 std::string EditScript::add_light() {
   if (lights_.size() >= 3) return {};
   lights_.push_back(scene_.add(some_light()));
-  return text("add light ", lights_.back().index, " at ", place(scene_.find(lights_.back())->at));
+  return text("add light ", lights_.back().index, " at ",
+              place(vector_of(*scene_.find(lights_.back()))));
 }
 
 std::string EditScript::remove_light() {
   if (lights_.empty() || (lights_.size() == 1 && random_.below(4) != 0)) return {};
   const auto it = lights_.begin() + static_cast<std::ptrdiff_t>(random_.below(lights_.size()));
   const std::uint32_t index = it->index;
-  require(scene_.remove(*it) == shadowcut::Edit::done, "remove light");
+  require(scene_.remove(*it) == shadowcut::Status::ok, "remove light");
   lights_.erase(it);
   return text("remove light ", index);
 }

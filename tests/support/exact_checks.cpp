@@ -66,10 +66,11 @@ class Check {
       return complain(name(f), " says it is of face ", f.face);
     if (f.corner_count < 3 || std::size_t{f.first_corner} + f.corner_count > block.corners.size())
       return complain(name(f), " has corners that are not there");
-    if (!scene_.objects()[scene_.faces()[f.face].object].receives)
+    if (!scene_.objects()[scene_.faces()[f.face].object].receives_shadows)
       return complain(name(f), ", which does not receive");
     if (oracle_.role(f.facet) != Role::takes_part) {
-      if (f.lit || f.caster != none) complain(name(f), ", which is turned away or edge-on");
+      if (f.lit || f.caster != invalid_index)
+        complain(name(f), ", which is turned away or edge-on");
       return;
     }
     std::vector<Triple> rays;
@@ -156,7 +157,7 @@ class Check {
     all_[facet].settle();
     lit_[facet].settle();
     if (oracle_.role(facet) != Role::takes_part ||
-        !scene_.objects()[scene_.faces()[scene_.facets()[facet].face].object].receives)
+        !scene_.objects()[scene_.faces()[scene_.facets()[facet].face].object].receives_shadows)
       return;
     compare(facet, all_[facet], oracle_.whole(facet), "all fragments");
     compare(facet, lit_[facet], oracle_.lit(facet), "lit fragments");
@@ -193,7 +194,7 @@ class Check {
       const Face& face = scene_.faces()[i];
       Facing facing = Facing::refused;
       if (face.facet_count != 0) {
-        facing = scene_.objects()[face.object].receives ? Facing::away : Facing::ignored;
+        facing = scene_.objects()[face.object].receives_shadows ? Facing::away : Facing::ignored;
         for (std::uint32_t f = face.first_facet;
              f < face.first_facet + face.facet_count && facing == Facing::away; ++f) {
           if (oracle_.role(f) == Role::takes_part) facing = Facing::toward;
@@ -219,12 +220,13 @@ class Check {
 
 std::optional<Triple> ray_of(const GmpOracle& oracle, std::uint32_t facet,
                              const Construction& made) {
-  if (made.vertex != none && made.vertex >= oracle.scene().vertices().size()) return {};
+  if (made.vertex != invalid_index && made.vertex >= oracle.scene().vertices().size()) return {};
   try {
-    Triple ray = made.vertex != none ? oracle.ray(oracle.scene().vertices()[made.vertex])
-                                     : reduced(cross(oracle.line(made.in), oracle.line(made.out)));
+    Triple ray = made.vertex != invalid_index
+                     ? oracle.ray(oracle.scene().vertices()[made.vertex])
+                     : reduced(cross(oracle.line(made.in), oracle.line(made.out)));
     if (is_zero(ray)) return {};
-    if (made.vertex == none && !oracle.meets(facet, ray)) ray = negated(ray);
+    if (made.vertex == invalid_index && !oracle.meets(facet, ray)) ray = negated(ray);
     if (!oracle.meets(facet, ray)) return {};
     return ray;
   } catch (const Error&) {  // of numbers that are not the scene's

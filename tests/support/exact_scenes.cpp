@@ -9,6 +9,8 @@
 #include <ostream>
 #include <utility>
 
+#include "light_vector.hpp"
+
 namespace shadowcut::testing {
 namespace {
 
@@ -237,7 +239,8 @@ ExactScene pencil(Random& random) {
   const auto corner = [&] {
     const Vec3& g = ends[random.below(4)];
     const double k = static_cast<double>(1 + random.below(4));
-    return sun ? Vec3(g + k * scene.light.at) : Vec3(scene.light.at + k * (g - scene.light.at));
+    return sun ? Vec3(g + k * scene.light.direction)
+               : Vec3(scene.light.position + k * (g - scene.light.position));
   };
   for (int tries = 0; face_count(scene) < 8 && tries < 100; ++tries) {
     const Vec3 a = corner(), b = corner(), c = random.below(3) == 0 ? grid_point(random) : corner();
@@ -283,11 +286,11 @@ ExactScene nudged_scene(Random& random) {
   for (ExactObject& object : scene.objects) {
     for (Vec3& v : object.vertices) v += Vec3::Ones(), nudge(v);
   }
-  if (scene.light.kind == Light::Kind::point) scene.light.at += Vec3::Ones();
+  if (scene.light.kind == Light::Kind::point) scene.light.position += Vec3::Ones();
   if (random.below(2) == 0) {
-    nudge(scene.light.at);
-    scene.light.at =
-        scene.light.at.unaryExpr([](double c) { return std::abs(c) < 1e-300 ? 0.0 : c; });
+    Vec3& v = vector_of(scene.light);
+    nudge(v);
+    v = v.unaryExpr([](double c) { return std::abs(c) < 1e-300 ? 0.0 : c; }).eval();
   }
   return scene;
 }
@@ -355,7 +358,7 @@ ExactScene scaled_scene(Random& random) {
   ExactScene scene = any_scene(random);
   const double factor = kScales[random.below(4)];
   for (ExactObject& object : scene.objects) scale(object, factor);
-  scene.light.at *= factor;
+  vector_of(scene.light) *= factor;
   return scene;
 }
 
@@ -366,7 +369,7 @@ ExactScene mixed_scales(Random& random) {
     return with_one && random.below(2) == 0 ? 1.0 : kScales[random.below(4)];
   };
   for (ExactObject& object : scene.objects) scale(object, factor());
-  scene.light.at *= factor();
+  vector_of(scene.light) *= factor();
   return scene;
 }
 
@@ -378,7 +381,7 @@ ExactScene far_away(Random& random) {
   for (ExactObject& object : scene.objects) {
     for (Vec3& v : object.vertices) v += shift;
   }
-  if (scene.light.kind == Light::Kind::point) scene.light.at += shift;
+  if (scene.light.kind == Light::Kind::point) scene.light.position += shift;
   return scene;
 }
 
@@ -406,10 +409,10 @@ ExactScene special_light(Random& random) {
     default:
       scene.light = Light::point(a);
   }
-  if (scene.light.kind == Light::Kind::directional && scene.light.at.isZero(0))
-    scene.light.at = -Vec3::UnitZ();
+  if (scene.light.kind == Light::Kind::directional && scene.light.direction.isZero(0))
+    scene.light.direction = -Vec3::UnitZ();
   if (random.below(2) == 0) {
-    double& x = scene.light.at[static_cast<Eigen::Index>(random.below(3))];
+    double& x = vector_of(scene.light)[static_cast<Eigen::Index>(random.below(3))];
     if (x != 0) x = std::nextafter(x, random.below(2) == 0 ? -kInfinity : kInfinity);
   }
   return scene;
@@ -446,8 +449,8 @@ ExactScene grazing(Random& random) {
 // Some objects only cast, or only receive.
 void vary(ExactScene& scene, Random& random) {
   for (ExactObject& object : scene.objects) {
-    object.casts = random.below(12) != 0;
-    object.receives = random.below(12) != 0;
+    object.casts_shadows = random.below(12) != 0;
+    object.receives_shadows = random.below(12) != 0;
   }
 }
 
@@ -512,8 +515,8 @@ Mesh mesh_of(const ExactObject& object) {
 ObjectSettings settings_of(const ExactObject& object) {
   ObjectSettings settings;
   settings.sides = object.closed ? Sides::closed : Sides::open;
-  settings.casts = object.casts;
-  settings.receives = object.receives;
+  settings.casts_shadows = object.casts_shadows;
+  settings.receives_shadows = object.receives_shadows;
   return settings;
 }
 
@@ -545,8 +548,8 @@ ExactScene reduced_scene(ExactScene scene, const std::function<bool(const ExactS
 
 std::string describe(const ExactObject& object) {
   std::string out = std::string(object.closed ? "closed" : "open") +
-                    (object.casts ? "" : ", does not cast") +
-                    (object.receives ? "" : ", does not receive") + "\n";
+                    (object.casts_shadows ? "" : ", does not cast") +
+                    (object.receives_shadows ? "" : ", does not receive") + "\n";
   for (const auto& face : object.faces) {
     out += "  face";
     for (const std::uint32_t v : face) {
@@ -563,8 +566,8 @@ std::string describe(const ExactObject& object) {
 std::string describe(const Light& light) {
   char buffer[120];
   std::snprintf(buffer, sizeof buffer, "%s light {%.17g, %.17g, %.17g}\n",
-                light.kind == Light::Kind::point ? "point" : "directional", light.at.x(),
-                light.at.y(), light.at.z());
+                light.kind == Light::Kind::point ? "point" : "directional", vector_of(light).x(),
+                vector_of(light).y(), vector_of(light).z());
   return buffer;
 }
 

@@ -47,7 +47,7 @@ struct ExactObject {
   std::vector<std::vector<std::uint32_t>> faces;
   // by decree: a solid with faces left out, or inside out, has one-sided faces like any other
   bool closed = false;
-  bool casts = true, receives = true;
+  bool casts_shadows = true, receives_shadows = true;
 };
 
 struct ExactScene {

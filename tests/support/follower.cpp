@@ -23,22 +23,23 @@ std::size_t live_facets(const Scene& scene) {
 
 // Whether the light stands in the box of a closed object.
 bool may_stand_inside(const Scene& scene, const Light& light) {
+  if (light.kind != Light::Kind::point) return false;
   return std::any_of(scene.objects().begin(), scene.objects().end(), [&](const Object& o) {
     Eigen::AlignedBox3d box;
     for (const Vec3& v : scene.vertices().subspan(o.first_vertex, o.vertex_count)) box.extend(v);
-    return o.alive && o.sides == Sides::closed && box.contains(light.at);
+    return o.alive && o.sides == Sides::closed && box.contains(light.position);
   });
 }
 
-// One light's shadows against shadows cast for the scene as it stands. What either leaves undecided
+// One light's shadows against shadows cast for the scene as it stands. What either leaves uncertain
 // may differ.
 std::string check_against_new(const Scene& scene, const Light& light, const Shadows& shadows,
-                              const Undecided& undecided, Form form) {
+                              const UncertainArea& uncertain, Form form) {
   Options once;
   once.threads = 1;
-  once.edits = false;
+  once.tuning.incremental = false;
   auto [fresh, open] = cast_alone(scene, light, once);
-  for (std::size_t f = 0; f < open.size(); ++f) open[f] += undecided[f];
+  for (std::size_t f = 0; f < open.size(); ++f) open[f] += uncertain[f];
   std::string what = check_same_areas(scene, fresh, shadows, kAreaTolerance, &open);
   if (!what.empty()) return what;
   for (std::size_t i = 0; i < fresh.areas.size(); ++i) {
@@ -54,12 +55,12 @@ std::string check_against_new(const Scene& scene, const Light& light, const Shad
 // the near ones are out of reach; and where the object cuts through itself. Only in the first case
 // must they cast.
 std::string check_against_oracle(const Scene& scene, const Light& light, const Shadows& shadows,
-                                 const Undecided& undecided, std::uint64_t seed, bool solids) {
+                                 const UncertainArea& uncertain, std::uint64_t seed, bool solids) {
   const bool inside = light.kind == Light::Kind::point && may_stand_inside(scene, light),
              only_facing = limited(light) || !solids;
   if (inside && only_facing) return {};
   const CgalOracle oracle(scene, light, only_facing);
-  return check_areas(scene, shadows, oracle, &undecided) +
+  return check_areas(scene, shadows, oracle, &uncertain) +
          check_points(scene, shadows, oracle, seed, 20, true);
 }
 
@@ -73,24 +74,24 @@ Options some_options(std::uint64_t seed) {
   constexpr std::array<std::uint32_t, 4> thresholds{0, 2, 16, 1000000};
   Options o;
   o.form = static_cast<Form>(random.below(3));
-  o.order = static_cast<Order>(random.below(3));
-  o.facets_per_cell = sizes[random.below(3)];
-  o.join_threshold = thresholds[random.below(4)];
+  o.tuning.order = static_cast<Order>(random.below(3));
+  o.tuning.facets_per_cell = sizes[random.below(3)];
+  o.tuning.join_threshold = thresholds[random.below(4)];
   o.threads = random.below(4) == 0 ? 2 : 1;
-  o.edits = random.below(8) != 0;
-  o.seed = seed;
+  o.tuning.incremental = random.below(8) != 0;
+  o.tuning.seed = seed;
   return o;
 }
 
-std::string check_combined(const Engine& engine) {
-  const LightSets sets = engine.combined();
+std::string check_overlay(const Engine& engine) {
+  const LightPartition sets = engine.overlay();
   for (std::size_t k = 0; k < engine.light_count(); ++k) {
-    if (engine.scene().light_id(k).index == none) continue;
+    if (engine.scene().light_id(k).index == invalid_index) continue;
     const std::vector<double> lit = lit_areas(engine.scene(), sets, k);
     for (std::size_t face = 0; face < lit.size(); ++face) {
       const FaceArea& alone = engine.shadows(k).areas[face];
       if (std::abs(lit[face] - alone.lit) > kAreaTolerance * alone.area)
-        return "combined: light " + std::to_string(k) + " reaches " + std::to_string(lit[face]) +
+        return "overlay: light " + std::to_string(k) + " reaches " + std::to_string(lit[face]) +
                " of face " + std::to_string(face) + ", should be " + std::to_string(alone.lit) +
                "\n";
     }
@@ -103,7 +104,7 @@ std::string check_lights(const Engine& engine, std::uint64_t step, bool solids, 
   if (engine.light_count() != scene.lights().size())
     return "the engine has other lights than its scene\n";
   for (std::size_t k = 0; k < engine.light_count(); ++k) {
-    if (scene.light_id(k).index == none) {
+    if (scene.light_id(k).index == invalid_index) {
       try {
         engine.shadows(k);
         return "a light is removed, and has shadows\n";
@@ -113,12 +114,12 @@ std::string check_lights(const Engine& engine, std::uint64_t step, bool solids, 
     }
     const Light& light = scene.lights()[k];
     const Shadows& shadows = engine.shadows(k);
-    const Undecided undecided = engine.undecided(k);
-    std::string what = check_against_new(scene, light, shadows, undecided, form);
+    const UncertainArea uncertain = engine.uncertain_area(k);
+    std::string what = check_against_new(scene, light, shadows, uncertain, form);
     // About a hundred thousand pairs of facets for the oracle in a history.
     const std::size_t facets = live_facets(scene);
     if (what.empty() && step % std::max<std::size_t>(8, facets * facets / 400) == 0)
-      what = check_against_oracle(scene, light, shadows, undecided, step, solids);
+      what = check_against_oracle(scene, light, shadows, uncertain, step, solids);
     if (!what.empty()) return "light " + std::to_string(k) + ": " + what;
   }
   return {};
@@ -159,7 +160,8 @@ std::string Follower::check(const Changes& changes) {
   if (what.empty()) what = check_arrays(script.scene());
   if (what.empty()) what = check_same_scene(script.scene(), engine.scene());
   if (what.empty()) what = mirror.apply(changes, engine);
-  if (what.empty() && step_ % 4 == 0) what = mirror.check_find(engine, options_.edits ? 1 : 16);
+  if (what.empty() && step_ % 4 == 0)
+    what = mirror.check_find(engine, options_.tuning.incremental ? 1 : 16);
   if (what.empty()) what = check_lights(engine, step_, !script.deformed(), options_.form);
   // Where objects are far away, what was one corner may be two, a rounding of that distance
   // apart.
@@ -171,7 +173,7 @@ std::string Follower::check(const Changes& changes) {
 std::string Follower::check_conforming_lights() const {
   std::string what;
   for (std::size_t k = 0; k < engine.light_count() && what.empty(); ++k) {
-    if (engine.scene().light_id(k).index != none)
+    if (engine.scene().light_id(k).index != invalid_index)
       what = check_conforming(engine.scene(), engine.shadows(k));
   }
   return what;

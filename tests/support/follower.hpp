@@ -18,7 +18,7 @@ std::uint64_t first_seed();
 Options some_options(std::uint64_t seed);
 
 // The partition by all lights has each light's own areas.
-std::string check_combined(const Engine& engine);
+std::string check_overlay(const Engine& engine);
 
 // Every light of the engine against new shadows of engine.scene(), and everything that needs no
 // other engine. solids: closed objects are.

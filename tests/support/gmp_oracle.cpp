@@ -126,16 +126,16 @@ GmpOracle::GmpOracle(const Scene& scene, const Light& light)
       seen_(scene.facets().size()),
       answers_(scene.facets().size()) {
   if (point_light_) {
-    lower_to(unit_ = std::numeric_limits<int>::max(), light.at);
+    lower_to(unit_ = std::numeric_limits<int>::max(), light.position);
     find_unit();
-    light_ = position(light.at);
+    light_ = position(light.position);
     axes_ = {1, 0, 2};  // the light looks outward
   } else {
     unit_ = std::numeric_limits<int>::max();
     find_unit();
-    light_ = direction(light.at);
+    light_ = direction(light.direction);
     Eigen::Index z;
-    light.at.cwiseAbs().maxCoeff(&z);
+    light.direction.cwiseAbs().maxCoeff(&z);
     const int last = static_cast<int>(z);
     travel_sign_ = sgn(light_[static_cast<std::size_t>(last)]);
     axes_ = {(last + 1) % 3, (last + 2) % 3, last};
@@ -299,7 +299,7 @@ void GmpOracle::see(std::uint32_t index) {
     return;
   }
   s.role = Role::takes_part;
-  s.casts = object.casts;
+  s.casts_shadows = object.casts_shadows;
   const std::vector<Loop> loops = convex_loops(rays, loop);
   if (loops.empty())
     undefined_ = "facet " + std::to_string(index) + " crosses itself as the light sees it";
@@ -353,7 +353,7 @@ const std::vector<Part>& GmpOracle::lit_parts(std::uint32_t facet) const {
   const Seen& f = seen_[facet];
   answer.parts = f.parts;
   for (std::uint32_t c = 0; c < seen_.size() && !answer.parts.empty(); ++c) {
-    if (c == facet || !seen_[c].casts) continue;
+    if (c == facet || !seen_[c].casts_shadows) continue;
     for (const Part& shadow : shadows_on(f, seen_[c])) answer.parts = without(answer.parts, shadow);
   }
   for (const Part& part : answer.parts) answer.region.add(part);
@@ -434,7 +434,7 @@ GmpOracle::State GmpOracle::state_at(std::uint32_t facet, const Place& x,
   bool shadowed = false, doubtful = false;
   for (std::uint32_t c = 0; c < seen_.size(); ++c) {
     const Seen& caster = seen_[c];
-    if (c == facet || !caster.casts) continue;
+    if (c == facet || !caster.casts_shadows) continue;
     const int between = -sign_at(caster.plane) * caster.at_light;
     if (between < 0 || (between == 0 && is_zero(cross(caster.plane.n, seen_[facet].plane.n))))
       continue;

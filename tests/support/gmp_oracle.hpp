@@ -100,7 +100,7 @@ class GmpOracle {
   };
   struct Seen {
     Role role = Role::absent;
-    bool front = false, casts = false;
+    bool front = false, casts_shadows = false;
     Triple u;  // the plane: nearness along a ray is u.ray / w, w > 0
     Int w;
     Quad plane;        // in space

@@ -42,14 +42,14 @@ void expect_issue(const Mesh& mesh, std::uint32_t bad, Reason reason) {
   ASSERT_EQ(scene.issues().size(), 1u);
   EXPECT_EQ(scene.issues()[0].object, 1u);
   EXPECT_EQ(scene.issues()[0].face, bad);
-  EXPECT_EQ(scene.issues()[0].reason, reason) << describe(scene.issues()[0].reason);
+  EXPECT_EQ(scene.issues()[0].reason, reason) << scene.issues()[0].text();
   const Object& object = scene.objects()[1];
   ASSERT_EQ(object.face_count, mesh.face_count());
   for (std::uint32_t k = 0; k < object.face_count; ++k) {
     const Face& face = scene.faces()[object.first_face + k];
     EXPECT_EQ(face.number, k);
-    EXPECT_EQ(face.facet_count == 0, k == bad && refuses(reason)) << "face " << k;
-    EXPECT_EQ(face.area == 0, k == bad && refuses(reason)) << "face " << k;
+    EXPECT_EQ(face.facet_count == 0, k == bad && is_refusal(reason)) << "face " << k;
+    EXPECT_EQ(face.area == 0, k == bad && is_refusal(reason)) << "face " << k;
   }
 }
 

@@ -1,4 +1,4 @@
-// Meshes for the tests of a scene's door, and what is asked of the scene that they make.
+// Meshes for the tests of mesh import, and what is asked of the scene that they make.
 #pragma once
 
 #include <cstdint>

@@ -20,10 +20,10 @@ std::string name_of(const FragmentId& id) {
 // As the light sees a polygon. Triangles by Van Oosterom & Strackee 1983, with differences of
 // corners, so that needles have digits too.
 double solid_angle(std::span<const Vec3> corners, const Light& light) {
-  const Vec3 a = corners[0] - light.at;
+  const Vec3 a = corners[0] - light.position;
   double sum = 0;
   for (std::size_t i = 2; i < corners.size(); ++i) {
-    const Vec3 b = corners[i - 1] - light.at, c = corners[i] - light.at,
+    const Vec3 b = corners[i - 1] - light.position, c = corners[i] - light.position,
                across = (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]);
     const double x = a.norm(), y = b.norm(), z = c.norm();
     sum += 2 * std::atan2(a.dot(across), x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y);
@@ -64,7 +64,7 @@ bool same_bits(const LightLine& a, const LightLine& b) {
 }
 bool same_bits(const Construction& a, const Construction& b) {
   return a.vertex == b.vertex &&
-         (a.vertex != none || (same_bits(a.in, b.in) && same_bits(a.out, b.out)));
+         (a.vertex != invalid_index || (same_bits(a.in, b.in) && same_bits(a.out, b.out)));
 }
 
 bool same_names(const Fragment& f, const Fragment& g) {
@@ -88,10 +88,10 @@ bool same_fragment(const Block& x, const Fragment& f, const Block& y, const Frag
 // What is said of the tree, and of all that was done to it.
 std::string check_same_tree(const Stats& a, const Stats& b) {
   const auto counts = [](const Stats& s) {
-    return std::array{s.faces,  s.facing_faces,   s.facets,           s.cells,
-                      s.nodes,  s.sp_nodes,       s.pp_nodes,         s.pieces,
-                      s.depth,  s.crossing_lines, s.marked_nodes,     s.longest_location_list,
-                      s.joined, s.deferred,       s.cells_built_again};
+    return std::array{s.faces,  s.facing_faces,   s.facets,       s.cells,
+                      s.nodes,  s.sp_nodes,       s.pp_nodes,     s.pieces,
+                      s.depth,  s.crossing_lines, s.marked_nodes, s.longest_location_list,
+                      s.joined, s.deferred,       s.cells_rebuilt};
   };
   if (counts(a) != counts(b)) return text("nodes ", a.nodes, ", should be ", b.nodes, "\n");
   return same_bits(a.facing_area, b.facing_area) ? "" : "another facing area\n";

@@ -17,7 +17,7 @@ class Partition {
     name_lines();
     out_.blocks.resize(1);
     for (std::uint32_t f = 0; f < scene_.facets().size(); ++f) {
-      if (oracle.role(f) != GmpOracle::Role::takes_part || !object(f).receives) continue;
+      if (oracle.role(f) != GmpOracle::Role::takes_part || !object(f).receives_shadows) continue;
       std::vector<Part> dark = oracle.parts(f);
       for (const Part& part : oracle.lit_parts(f)) {
         add(f, part, true);
@@ -38,7 +38,7 @@ class Partition {
   Facing facing(std::uint32_t i) const {
     const Face& face = scene_.faces()[i];
     if (face.facet_count == 0) return Facing::refused;
-    if (!scene_.objects()[face.object].receives) return Facing::ignored;
+    if (!scene_.objects()[face.object].receives_shadows) return Facing::ignored;
     for (std::uint32_t f = face.first_facet; f < face.first_facet + face.facet_count; ++f) {
       if (oracle_.role(f) == GmpOracle::Role::takes_part) return Facing::toward;
     }
@@ -71,7 +71,8 @@ class Partition {
                size = static_cast<std::uint32_t>(part.corners.size());
     for (std::size_t i = 0; i < size; ++i) add_corner(facet, part, i);
     const std::vector<std::uint32_t> by = lit ? std::vector<std::uint32_t>{} : casters(facet, part);
-    const std::uint32_t caster = lit ? none : scene_.facets()[by.empty() ? facet : by[0]].face;
+    const std::uint32_t caster =
+        lit ? invalid_index : scene_.facets()[by.empty() ? facet : by[0]].face;
     block.fragments.push_back({{0, static_cast<std::uint32_t>(block.fragments.size()), 0},
                                scene_.facets()[facet].face,
                                facet,
@@ -103,7 +104,7 @@ class Partition {
     block.corners.push_back(oracle_.rounded(oracle_.place(facet, ray)));
     const std::size_t before = (i + part.lines.size() - 1) % part.lines.size();
     block.constructions.push_back(
-        {lines_.at(as_line(part.lines[before])), lines_.at(as_line(part.lines[i])), none});
+        {lines_.at(as_line(part.lines[before])), lines_.at(as_line(part.lines[i])), invalid_index});
   }
 
   const GmpOracle& oracle_;

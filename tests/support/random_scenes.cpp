@@ -295,7 +295,8 @@ SceneData scaled(const SceneData& data, double factor, const Vec3& shift) {
   SceneData out = data;
   for (auto& object : out.objects)
     object.second.pose = Eigen::Translation3d(shift) * Eigen::Scaling(factor) * object.second.pose;
-  if (out.light.kind == Light::Kind::point) out.light.at = factor * out.light.at + shift;
+  if (out.light.kind == Light::Kind::point)
+    out.light.position = factor * out.light.position + shift;
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "light_vector.hpp"
 #include "text.hpp"
 
 namespace shadowcut::testing {
@@ -18,10 +19,11 @@ std::vector<Seen> facets_seen_from(const Scene& scene, const Light& viewer, bool
     const Object& object = scene.objects()[scene.faces()[scene.facets()[f].face].object];
     const Plane& plane = scene.planes()[scene.facets()[f].plane];
     const auto ray = [&](const Vec3& x) {
-      return viewer.kind == Light::Kind::point ? Vec3(x - viewer.at) : viewer.at;
+      return viewer.kind == Light::Kind::point ? Vec3(x - viewer.position) : viewer.direction;
     };
     const double away = plane.normal.dot(ray(plane.point));
-    if (casting && (!object.casts || away == 0 || (away > 0 && object.sides == Sides::closed)))
+    if (casting &&
+        (!object.casts_shadows || away == 0 || (away > 0 && object.sides == Sides::closed)))
       continue;
     Seen seen{f, {}, plane.normal, plane.normal.dot(plane.point)};
     const auto corners = scene.corners_of(scene.facets()[f]);
@@ -55,7 +57,7 @@ bool through(const Seen& seen, const Scene& scene, const Light& viewer, const Ve
   const auto corners = scene.corners_of(scene.facets()[seen.facet]);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec3 from =
-        viewer.kind == Light::Kind::point ? viewer.at : scene.vertices()[corners[i].vertex];
+        viewer.kind == Light::Kind::point ? viewer.position : scene.vertices()[corners[i].vertex];
     if (seen.sides[i].dot(x - from) <= 0) return false;
   }
   return true;
@@ -92,11 +94,11 @@ bool RayPicture::at_an_edge(int x, int y, int reach) const {
 
 int RayPicture::reach_of_texels(int x, int y, int side) const {
   const Pixel& pixel = at(x, y);
-  if (pixel.facet == none) return 1;
+  if (pixel.facet == invalid_index) return 1;
   const double size = 2 * std::tan(camera_.fov / 2) / kHeight * (pixel.place - camera_.eye).norm();
   double reach = 0;
   for (const Light& light : scene_.lights()) {
-    const Vec3 to_light = light.at - pixel.place;
+    const Vec3 to_light = vector_of(light) - pixel.place;
     const double slant =
         std::abs(scene_.planes()[scene_.facets()[pixel.facet].plane].normal.dot(to_light)) /
         to_light.norm();
@@ -108,7 +110,7 @@ int RayPicture::reach_of_texels(int x, int y, int side) const {
 
 bool RayPicture::in_shadow(const Vec3& x) const {
   for (std::size_t k = 0; k < scene_.lights().size(); ++k)
-    if (shadowed(k, none, x)) return true;
+    if (shadowed(k, invalid_index, x)) return true;
   return false;
 }
 
@@ -122,7 +124,7 @@ Pixel RayPicture::look(const Vec3& ray) const {
     second = t;
     if (t < nearest) second = nearest, nearest = t, pixel.facet = seen.facet;
   });
-  if (pixel.facet == none) return pixel;
+  if (pixel.facet == invalid_index) return pixel;
   pixel.ambiguous = second < nearest * 1.001;
   pixel.place = camera_.eye + nearest * ray;
   shade(pixel, pixel.place);
@@ -166,7 +168,8 @@ void RayPicture::shade(Pixel& pixel, const Vec3& x) const {
   double brightness = render::ambient_share;
   for (std::size_t k = 0; k < scene_.lights().size(); ++k) {
     const Light& light = scene_.lights()[k];
-    const Vec3 to_light = light.kind == Light::Kind::point ? Vec3(light.at - x) : Vec3(-light.at);
+    const Vec3 to_light =
+        light.kind == Light::Kind::point ? Vec3(light.position - x) : Vec3(-light.direction);
     const double facing = normal.dot(to_light);
     const bool seen =
         facing * normal.dot(camera_.eye - x) > 0 && (object.sides == Sides::open || facing > 0);
@@ -183,14 +186,16 @@ bool RayPicture::shadowed(std::size_t k, std::uint32_t facet, const Vec3& x) con
   const double contact = 1e-9 * (x.norm() + 1);
   bool some = false;
   casters_[k].near_line(
-      x, light.kind == Light::Kind::point ? Vec3(light.at - x) : light.at, [&](const Seen& caster) {
+      x, light.kind == Light::Kind::point ? Vec3(light.position - x) : light.direction,
+      [&](const Seen& caster) {
         if (some || caster.facet == facet ||
-            (facet != none && scene_.facets()[caster.facet].plane == scene_.facets()[facet].plane))
+            (facet != invalid_index &&
+             scene_.facets()[caster.facet].plane == scene_.facets()[facet].plane))
           return;
         const double here = caster.normal.dot(x) - caster.offset;
         const double there = light.kind == Light::Kind::point
-                                 ? caster.normal.dot(light.at) - caster.offset
-                                 : -caster.normal.dot(light.at);
+                                 ? caster.normal.dot(light.position) - caster.offset
+                                 : -caster.normal.dot(light.direction);
         some = std::abs(here) > contact && here * there < 0 && through(caster, scene_, light, x);
       });
   return some;

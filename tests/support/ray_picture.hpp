@@ -53,7 +53,7 @@ struct SeenFacets {
 };
 
 struct Pixel {
-  std::uint32_t facet = none;
+  std::uint32_t facet = invalid_index;
   bool ambiguous = false;  // two facets at one place
   std::vector<bool> lit;
   std::array<double, 3> colour{255, 255, 255};

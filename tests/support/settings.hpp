@@ -21,9 +21,10 @@ inline std::string describe(const Options& o) {
   constexpr std::array forms{"pieces", "merged", "conforming"};
   constexpr std::array orders{"solid_angle", "as_given", "random"};
   return text("form ", forms[static_cast<std::size_t>(o.form)], ", order ",
-              orders[static_cast<std::size_t>(o.order)], ", seed ", o.seed, ", facets_per_cell ",
-              o.facets_per_cell, ", join_threshold ", o.join_threshold, ", threads ", o.threads,
-              o.edits ? "" : ", no edits");
+              orders[static_cast<std::size_t>(o.tuning.order)], ", seed ", o.tuning.seed,
+              ", facets_per_cell ", o.tuning.facets_per_cell, ", join_threshold ",
+              o.tuning.join_threshold, ", threads ", o.threads,
+              o.tuning.incremental ? "" : ", no edits");
 }
 
 }  // namespace shadowcut::testing

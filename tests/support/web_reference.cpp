@@ -9,6 +9,7 @@
 #include <shadowcut/shadows.hpp>
 #include <string>
 
+#include "light_vector.hpp"
 #include "random_scenes.hpp"
 #include "scenes.hpp"
 
@@ -25,9 +26,10 @@ void write(const Pose& pose) {
 }
 void write(const Vec3& x) { std::fprintf(out, "[%.17g,%.17g,%.17g]", x[0], x[1], x[2]); }
 void write(const Light& light) {
-  std::fprintf(out, R"({"kind":"%s","at":)",
-               light.kind == Light::Kind::point ? "point" : "directional");
-  write(light.at);
+  const bool point = light.kind == Light::Kind::point;
+  std::fprintf(out, R"({"kind":"%s","%s":)", point ? "point" : "directional",
+               point ? "position" : "direction");
+  write(point ? light.position : light.direction);
   std::fputs("}", out);
 }
 void write(const Mesh& mesh, const ObjectSettings& settings) {
@@ -81,9 +83,9 @@ void write(const Engine& engine) {
     const char* separator = "[";
     for (const FaceArea& area : shadows.areas)
       write(separator, area.lit), write(",", area.shadowed), separator = ",";
-    double undecided = 0;
-    for (const double bound : engine.undecided(light)) undecided += bound;
-    std::fprintf(out, R"(],"undecided":%.17g})", undecided);
+    double uncertain = 0;
+    for (const double bound : engine.uncertain_area(light)) uncertain += bound;
+    std::fprintf(out, R"(],"uncertain":%.17g})", uncertain);
   }
   std::fputs("]", out);
 }
@@ -95,8 +97,8 @@ struct Item {
   bool present = true;
 };
 
-void must(Edit edit) {
-  if (edit != Edit::done) throw Error("an edit was not done");
+void must(Status edit) {
+  if (edit != Status::ok) throw Error("an edit was not done");
 }
 
 void edit(Scene& scene, std::vector<Item>& items, const Light& lamp, double size,
@@ -115,7 +117,7 @@ void edit(Scene& scene, std::vector<Item>& items, const Light& lamp, double size
       return;
     case 1: {
       Light moved = lamp;
-      moved.at += size / 16 * random.in_cube(-1, 1);
+      testing::vector_of(moved) += size / 16 * random.in_cube(-1, 1);
       std::fputs(R"({"light":)", out);
       write(moved), std::fputs(",", out);
       must(scene.set_light(scene.light_id(0), moved));
@@ -123,9 +125,9 @@ void edit(Scene& scene, std::vector<Item>& items, const Light& lamp, double size
     }
     case 2: {
       const bool casts = random.below(2) == 0;
-      std::fprintf(out, R"({"object":%zu,"casts":%s,)", which, casts ? "true" : "false");
-      must(scene.set_casts(item.id, casts));
-      item.settings.casts = casts;
+      std::fprintf(out, R"({"object":%zu,"castsShadows":%s,)", which, casts ? "true" : "false");
+      must(scene.set_casts_shadows(item.id, casts));
+      item.settings.casts_shadows = casts;
       return;
     }
     default:

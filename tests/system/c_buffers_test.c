@@ -88,7 +88,7 @@ struct Triangle* triangles_of(const struct Device* device, const shadowcut_buffe
       }
     }
     memcpy(&t->face, stream[SHADOWCUT_FACES] + 4 * (size_t)v, 4);
-    if (t->face == SHADOWCUT_NONE) { /* a hole: nothing to be seen */
+    if (t->face == SHADOWCUT_INVALID_INDEX) { /* a hole: nothing to be seen */
       CHECK(fan_area(t->corner, 3) == 0);
       memset(t, 0, sizeof *t);
       continue;
@@ -177,7 +177,7 @@ static void random_edit(struct Play* p) {
     if (p->present[o]) OK(shadowcut_scene_set_pose(p->scene, &p->ids[o], pose));
   } else if (kind < 14 && p->present[o]) {
     OK(shadowcut_object_settings_init(&p->settings[o]));
-    OK(shadowcut_scene_given(p->scene, &p->ids[o], &p->mesh[o], &p->settings[o]));
+    OK(shadowcut_scene_source(p->scene, &p->ids[o], &p->mesh[o], &p->settings[o]));
     p->settings[o].name = NULL;
     OK(shadowcut_scene_remove_object(p->scene, &p->ids[o]));
     p->present[o] = 0;
@@ -190,9 +190,9 @@ static void random_edit(struct Play* p) {
       p->present[k] = 1;
     }
   } else if (kind == 16 && p->present[o]) {
-    OK(shadowcut_scene_set_casts(p->scene, &p->ids[o], (int32_t)below(2)));
+    OK(shadowcut_scene_set_casts_shadows(p->scene, &p->ids[o], (int32_t)below(2)));
   } else if (kind == 17 && p->present[o]) {
-    OK(shadowcut_scene_set_receives(p->scene, &p->ids[o], (int32_t)below(2)));
+    OK(shadowcut_scene_set_receives_shadows(p->scene, &p->ids[o], (int32_t)below(2)));
   } else if (kind == 18) {
     shadowcut_light_id id;
     shadowcut_light light = point_light(between(2, 4), between(2, 4), between(2, 2.4));
@@ -260,7 +260,7 @@ void test_buffers(void) {
   shadowcut_engine *engine = NULL, *other = NULL;
   shadowcut_scene* empty = NULL;
   const shadowcut_scene* view = NULL;
-  shadowcut_light_sets* sets = NULL;
+  shadowcut_light_partition* partition = NULL;
   shadowcut_shadows* shadows = NULL;
   shadowcut_light light = point_light(0, 0, 2);
   shadowcut_buffer_layout layout;
@@ -325,7 +325,7 @@ void test_buffers(void) {
   INVALID(shadowcut_buffers_set_origin(NULL, far));
 
   /* Another engine with as many updates behind it. */
-  OK(shadowcut_scene_set_casts(s.scene, &s.sheet, 0));
+  OK(shadowcut_scene_set_casts_shadows(s.scene, &s.sheet, 0));
   OK(shadowcut_engine_create(s.scene, NULL, &other));
   for (i = 0; i < 3; ++i) OK(shadowcut_engine_update(other));
   OK(shadowcut_buffers_update(buffers, other));
@@ -339,20 +339,20 @@ void test_buffers(void) {
   STATUS(SHADOWCUT_REFUSED, shadowcut_buffers_fill(all, s.scene, shadows));
   OK(shadowcut_engine_update(other));
   OK(shadowcut_engine_scene(other, &view));
-  OK(shadowcut_engine_combined(other, &sets));
-  OK(shadowcut_buffers_fill_sets(all, view, sets));
+  OK(shadowcut_engine_overlay(other, &partition));
+  OK(shadowcut_buffers_fill_partition(all, view, partition));
   OK(shadowcut_buffers_get_info(all, &info));
-  OK(shadowcut_light_sets_count(sets, &i, &each));
+  OK(shadowcut_light_partition_count(partition, &i, &each));
   CHECK(info.fragment_count == i);
   OK(shadowcut_scene_create(&empty));
-  STATUS(SHADOWCUT_REFUSED, shadowcut_buffers_fill_sets(all, empty, sets));
-  STATUS(SHADOWCUT_REFUSED, shadowcut_buffers_fill_sets(buffers, view, sets));
-  INVALID(shadowcut_buffers_fill_sets(all, view, NULL));
-  INVALID(shadowcut_buffers_fill_sets(all, NULL, sets));
-  INVALID(shadowcut_buffers_fill_sets(NULL, view, sets));
+  STATUS(SHADOWCUT_REFUSED, shadowcut_buffers_fill_partition(all, empty, partition));
+  STATUS(SHADOWCUT_REFUSED, shadowcut_buffers_fill_partition(buffers, view, partition));
+  INVALID(shadowcut_buffers_fill_partition(all, view, NULL));
+  INVALID(shadowcut_buffers_fill_partition(all, NULL, partition));
+  INVALID(shadowcut_buffers_fill_partition(NULL, view, partition));
   STATUS(SHADOWCUT_REFUSED, shadowcut_buffers_fill(buffers, empty, shadows));
   shadowcut_scene_destroy(empty);
-  shadowcut_light_sets_destroy(sets);
+  shadowcut_light_partition_destroy(partition);
   add_square(s.scene, 1, 3, "another");
   STATUS(SHADOWCUT_REFUSED,
          shadowcut_buffers_fill(buffers, s.scene, shadows)); /* not this scene's */

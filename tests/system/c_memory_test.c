@@ -38,7 +38,7 @@ void test_memory_of_updates(int first) {
     CHECK(status == SHADOWCUT_OK || (reached && status == SHADOWCUT_OUT_OF_MEMORY));
     if (status != SHADOWCUT_OK && shadowcut_engine_update(engine) != SHADOWCUT_OK) {
       shadowcut_fragment f;
-      shadowcut_light_sets* sets = NULL;
+      shadowcut_light_partition* partition = NULL;
       const shadowcut_fragment_id id = {0, 0, 0};
       const shadowcut_scene* view = NULL;
       shadowcut_changes changes;
@@ -52,8 +52,8 @@ void test_memory_of_updates(int first) {
       STATUS(SHADOWCUT_MUST_COMPACT, shadowcut_engine_find(engine, 0, &id, &f));
       STATUS(SHADOWCUT_MUST_COMPACT, shadowcut_engine_scene(engine, &view));
       STATUS(SHADOWCUT_MUST_COMPACT, shadowcut_engine_light_count(engine, &count));
-      STATUS(SHADOWCUT_MUST_COMPACT, shadowcut_engine_undecided(engine, 0, 1, &area));
-      STATUS(SHADOWCUT_MUST_COMPACT, shadowcut_engine_combined(engine, &sets));
+      STATUS(SHADOWCUT_MUST_COMPACT, shadowcut_engine_uncertain_area(engine, 0, 1, &area));
+      STATUS(SHADOWCUT_MUST_COMPACT, shadowcut_engine_overlay(engine, &partition));
       STATUS(SHADOWCUT_MUST_COMPACT, shadowcut_engine_validate(engine));
       STATUS(SHADOWCUT_MUST_COMPACT, shadowcut_buffers_update(buffers, engine));
       OK(shadowcut_engine_compact(engine));
@@ -123,7 +123,7 @@ void test_memory_elsewhere(void) {
     FAILING(5, shadowcut_cast_shadows(s.scene, &light, &options, &shadows));
     FAILING(6, shadowcut_engine_create(s.scene, &options, &engine));
     FAILING(7, shadowcut_buffers_create(0, NULL, &buffers));
-    FAILING(8, shadowcut_scene_given(s.scene, &s.sheet, &given, NULL));
+    FAILING(8, shadowcut_scene_source(s.scene, &s.sheet, &given, NULL));
     for (k = 0; k < 9; ++k)
       CHECK(status[k] == SHADOWCUT_OK || status[k] == SHADOWCUT_OUT_OF_MEMORY);
     CHECK((status[0] == SHADOWCUT_OK) == (scene != NULL) &&

@@ -67,10 +67,10 @@ void test_names(void) {
   CHECK(strcmp(shadowcut_status_name(SHADOWCUT_INTERNAL_ERROR), "INTERNAL_ERROR") == 0);
   CHECK(strcmp(shadowcut_status_name(99), "") == 0 && strcmp(shadowcut_status_name(-1), "") == 0);
   CHECK(strlen(shadowcut_version()) >= 5);
-  CHECK(strlen(shadowcut_describe(SHADOWCUT_NOT_FLAT)) > 0 &&
-        strcmp(shadowcut_describe(8), "") == 0 && strcmp(shadowcut_describe(-1), "") == 0);
-  CHECK(shadowcut_refuses(SHADOWCUT_DUPLICATE) == 1 && shadowcut_refuses(SHADOWCUT_NOT_FLAT) == 0 &&
-        shadowcut_refuses(77) == 0);
+  CHECK(strlen(shadowcut_reason_text(SHADOWCUT_NOT_FLAT)) > 0 &&
+        strcmp(shadowcut_reason_text(8), "") == 0 && strcmp(shadowcut_reason_text(-1), "") == 0);
+  CHECK(shadowcut_is_refusal(SHADOWCUT_DUPLICATE) == 1 &&
+        shadowcut_is_refusal(SHADOWCUT_NOT_FLAT) == 0 && shadowcut_is_refusal(77) == 0);
   INVALID(shadowcut_mesh_create(NULL));
   CHECK(strlen(shadowcut_message()) > 0);
 }
@@ -94,7 +94,7 @@ void test_objects(void) {
   OK(shadowcut_scene_object(s.scene, &s.sheet, &object));
   CHECK(strcmp(object.name, "sheet") == 0 && object.sides == SHADOWCUT_SIDES_OPEN &&
         object.face_count == 1 && object.pose[0] == 1);
-  CHECK(object.casts == 1 && object.receives == 1 && object.moves == 0 &&
+  CHECK(object.casts_shadows == 1 && object.receives_shadows == 1 && object.dynamic == 0 &&
         object.vertex_count == 4 && object.edge_count == 4);
   OK(shadowcut_scene_object_id(s.scene, 1, &id));
   CHECK(memcmp(&id, &s.sheet, sizeof id) == 0);
@@ -130,29 +130,29 @@ void test_objects(void) {
   STATUS(SHADOWCUT_REFUSED, shadowcut_scene_set_vertices(s.scene, &s.sheet, corners, 3));
   INVALID(shadowcut_scene_set_vertices(s.scene, &s.sheet, corners, -4));
   INVALID(shadowcut_scene_set_vertices_float(s.scene, &s.sheet, NULL, 4));
-  OK(shadowcut_scene_set_casts(s.scene, &s.sheet, 0));
-  OK(shadowcut_scene_set_receives(s.scene, &s.sheet, 0));
-  INVALID(shadowcut_scene_set_casts(s.scene, &s.sheet, 2));
-  INVALID(shadowcut_scene_set_receives(s.scene, &s.sheet, -1));
+  OK(shadowcut_scene_set_casts_shadows(s.scene, &s.sheet, 0));
+  OK(shadowcut_scene_set_receives_shadows(s.scene, &s.sheet, 0));
+  INVALID(shadowcut_scene_set_casts_shadows(s.scene, &s.sheet, 2));
+  INVALID(shadowcut_scene_set_receives_shadows(s.scene, &s.sheet, -1));
 
   /* Removed, and brought back as it was. */
   OK(shadowcut_object_settings_init(&settings));
-  OK(shadowcut_scene_given(s.scene, &s.sheet, &mesh, &settings));
-  CHECK(settings.casts == 0 && settings.receives == 0 && settings.pose[3] == 0.5 &&
+  OK(shadowcut_scene_source(s.scene, &s.sheet, &mesh, &settings));
+  CHECK(settings.casts_shadows == 0 && settings.receives_shadows == 0 && settings.pose[3] == 0.5 &&
         strcmp(settings.name, "sheet") == 0);
   settings.name = "back";
   OK(shadowcut_scene_remove_object(s.scene, &s.sheet));
   STATUS(SHADOWCUT_STALE, shadowcut_scene_remove_object(s.scene, &s.sheet));
   STATUS(SHADOWCUT_STALE, shadowcut_scene_object(s.scene, &s.sheet, &object));
-  STATUS(SHADOWCUT_STALE, shadowcut_scene_given(s.scene, &s.sheet, &mesh, NULL));
-  STATUS(SHADOWCUT_STALE, shadowcut_scene_set_casts(s.scene, &s.sheet, 1));
+  STATUS(SHADOWCUT_STALE, shadowcut_scene_source(s.scene, &s.sheet, &mesh, NULL));
+  STATUS(SHADOWCUT_STALE, shadowcut_scene_set_casts_shadows(s.scene, &s.sheet, 1));
   STATUS(SHADOWCUT_STALE, shadowcut_scene_set_vertices(s.scene, &s.sheet, corners, 4));
   OK(shadowcut_scene_add_object(s.scene, mesh, &settings, &id));
   CHECK(id.index == s.sheet.index && id.generation != s.sheet.generation);
   STATUS(SHADOWCUT_STALE,
-         shadowcut_scene_set_receives(s.scene, &s.sheet, 1)); /* its index is another's */
+         shadowcut_scene_set_receives_shadows(s.scene, &s.sheet, 1)); /* its index is another's */
   OK(shadowcut_scene_object(s.scene, &id, &object));
-  CHECK(strcmp(object.name, "back") == 0 && object.pose[3] == 0.5 && object.casts == 0);
+  CHECK(strcmp(object.name, "back") == 0 && object.pose[3] == 0.5 && object.casts_shadows == 0);
 
   /* Another scene's ids; a copy's are the same. */
   OK(shadowcut_scene_create(&other));
@@ -167,12 +167,12 @@ void test_objects(void) {
   settings.sides = 3;
   INVALID(shadowcut_scene_add_object(s.scene, mesh, &settings, &id));
   settings.sides = SHADOWCUT_SIDES_CLOSED;
-  settings.moves = 7;
+  settings.dynamic = 7;
   INVALID(shadowcut_scene_add_object(s.scene, mesh, &settings, &id));
-  settings.moves = 1;
+  settings.dynamic = 1;
   settings.size -= 4;
   INVALID(shadowcut_scene_add_object(s.scene, mesh, &settings, &id));
-  INVALID(shadowcut_scene_given(s.scene, &id, &mesh, &settings));
+  INVALID(shadowcut_scene_source(s.scene, &id, &mesh, &settings));
   INVALID(shadowcut_scene_add_object(s.scene, NULL, NULL, &id));
   INVALID(shadowcut_scene_add_object(s.scene, mesh, NULL, NULL));
   INVALID(shadowcut_scene_add_object(NULL, mesh, NULL, &id));
@@ -213,21 +213,28 @@ void test_lights(void) {
   OK(shadowcut_scene_add_light(s.scene, &light, &id));
   OK(shadowcut_light_init(&found));
   OK(shadowcut_scene_light(s.scene, &id, &found));
-  CHECK(found.kind == SHADOWCUT_POINT && found.at[2] == 3 && found.range == 50 &&
+  CHECK(found.kind == SHADOWCUT_POINT && found.position[2] == 3 && found.range == 50 &&
         found.has_spot == 1 && found.spot_half_angle == 1 && strcmp(found.name, "lamp") == 0);
   light.spot_half_angle = 4;
   STATUS(SHADOWCUT_REFUSED, shadowcut_scene_set_light(s.scene, &id, &light));
   light.spot_half_angle = 0.5;
   OK(shadowcut_scene_set_light(s.scene, &id, &light));
-  light.at[0] = NAN;
+  light.position[0] = NAN;
   STATUS(SHADOWCUT_REFUSED, shadowcut_scene_add_light(s.scene, &light, &id));
   STATUS(SHADOWCUT_REFUSED, shadowcut_scene_replace_lights(s.scene, both, 2));
-  light.at[0] = 0;
+  light.position[0] = 0;
   light.kind = 2;
   INVALID(shadowcut_scene_add_light(s.scene, &light, &id));
   light.kind = SHADOWCUT_DIRECTIONAL;
   light.has_spot = 0;
   light.range = INFINITY;
+  STATUS(SHADOWCUT_REFUSED, shadowcut_scene_set_light(s.scene, &id, &light)); /* no direction */
+  light.direction[0] = 1, light.direction[1] = 2, light.direction[2] = 3;
+  light.range = 50;
+  STATUS(SHADOWCUT_REFUSED, shadowcut_scene_set_light(s.scene, &id, &light));
+  light.range = INFINITY, light.has_spot = 1;
+  STATUS(SHADOWCUT_REFUSED, shadowcut_scene_set_light(s.scene, &id, &light));
+  light.has_spot = 0;
   OK(shadowcut_scene_set_light(s.scene, &id, &light));
   OK(shadowcut_scene_remove_light(s.scene, &id));
   STATUS(SHADOWCUT_STALE, shadowcut_scene_remove_light(s.scene, &id));

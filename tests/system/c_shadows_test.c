@@ -18,7 +18,8 @@ void test_cast(void) {
   context = "cast";
   OK(shadowcut_options_init(&options));
   CHECK(options.kernel == SHADOWCUT_KERNEL_FAST && options.form == SHADOWCUT_FORM_MERGED &&
-        options.facets_per_cell == 128 && options.edits == 1 && options.join_threshold == 2);
+        options.tuning.facets_per_cell == 128 && options.tuning.incremental == 1 &&
+        options.tuning.join_threshold == 2);
   options.kernel = SHADOWCUT_KERNEL_EXACT;
   options.constructions = 1;
   OK(shadowcut_cast_shadows(s.scene, &light, &options, &shadows));
@@ -34,7 +35,7 @@ void test_cast(void) {
       shadowcut_fragment f;
       OK(shadowcut_shadows_fragments(shadows, b, i, 1, &f));
       CHECK(f.id.cell == b && f.first_corner + f.corner_count <= corners &&
-            f.lit == (f.caster == SHADOWCUT_NONE));
+            f.lit == (f.caster == SHADOWCUT_INVALID_INDEX));
       CHECK(fabs(fan_area(xyz + 3 * f.first_corner, f.corner_count) - f.area) < 1e-12);
       if (f.face == 0 && f.lit) lit += f.area;
       if (f.face == 0) ++on_ground;
@@ -68,9 +69,9 @@ void test_cast(void) {
 
   OK(shadowcut_cast_shadows(s.scene, &light, NULL, &shadows));
   shadowcut_shadows_destroy(shadows);
-  light.at[1] = INFINITY;
+  light.position[1] = INFINITY;
   STATUS(SHADOWCUT_REFUSED, shadowcut_cast_shadows(s.scene, &light, NULL, &shadows));
-  light.at[1] = 0;
+  light.position[1] = 0;
   options.min_area = -1;
   STATUS(SHADOWCUT_REFUSED, shadowcut_cast_shadows(s.scene, &light, &options, &shadows));
   options.min_area = 0;
@@ -78,9 +79,9 @@ void test_cast(void) {
   INVALID(shadowcut_cast_shadows(s.scene, &light, &options, &shadows));
   options.kernel = 0, options.form = -1;
   INVALID(shadowcut_cast_shadows(s.scene, &light, &options, &shadows));
-  options.form = 0, options.order = 9;
+  options.form = 0, options.tuning.order = 9;
   INVALID(shadowcut_cast_shadows(s.scene, &light, &options, &shadows));
-  options.order = 0, options.edits = 5;
+  options.tuning.order = 0, options.tuning.incremental = 5;
   INVALID(shadowcut_cast_shadows(s.scene, &light, &options, &shadows));
   options.size = 0;
   INVALID(shadowcut_cast_shadows(s.scene, &light, &options, &shadows));
@@ -151,7 +152,7 @@ void test_engine(void) {
   shadowcut_fragment f;
   shadowcut_fragment_id nothing = {0, 12345, 6789};
   shadowcut_scene_counts counts;
-  double pose[16], undecided[2], share = -1;
+  double pose[16], uncertain[2], share = -1;
   uint32_t n = 0, i;
   context = "engine";
   OK(shadowcut_engine_create(s.scene, NULL, &engine));
@@ -203,10 +204,10 @@ void test_engine(void) {
   INVALID(shadowcut_engine_find(engine, 0, NULL, &f));
   OK(shadowcut_engine_light_count(engine, &n));
   CHECK(n == 1);
-  OK(shadowcut_engine_undecided(engine, 0, 2, undecided));
-  CHECK(undecided[0] >= 0 && undecided[0] < 1e-9);
-  INVALID(shadowcut_engine_undecided(engine, 0, 1, undecided));
-  STATUS(SHADOWCUT_NOT_FOUND, shadowcut_engine_undecided(engine, 1, 2, undecided));
+  OK(shadowcut_engine_uncertain_area(engine, 0, 2, uncertain));
+  CHECK(uncertain[0] >= 0 && uncertain[0] < 1e-9);
+  INVALID(shadowcut_engine_uncertain_area(engine, 0, 1, uncertain));
+  STATUS(SHADOWCUT_NOT_FOUND, shadowcut_engine_uncertain_area(engine, 1, 2, uncertain));
   OK(shadowcut_engine_validate(engine));
 
   /* Its scene is to be read, and no more. */
@@ -215,7 +216,7 @@ void test_engine(void) {
   OK(shadowcut_scene_count(view, &counts));
   CHECK(counts.objects == 2);
   INVALID(shadowcut_engine_create(view, NULL, &second));
-  INVALID(shadowcut_scene_set_casts((shadowcut_scene*)(uintptr_t)view, &s.sheet, 0));
+  INVALID(shadowcut_scene_set_casts_shadows((shadowcut_scene*)(uintptr_t)view, &s.sheet, 0));
   shadowcut_scene_destroy((shadowcut_scene*)(uintptr_t)view); /* does nothing */
   shadowcut_shadows_destroy((shadowcut_shadows*)(uintptr_t)shadows);
   OK(shadowcut_scene_count(view, &counts));
@@ -249,49 +250,49 @@ void test_engine(void) {
   shadowcut_engine_destroy(NULL);
 }
 
-void test_combined(void) {
+void test_overlay(void) {
   struct Small s = small_scene();
   shadowcut_light second = point_light(1, 0, 2);
   shadowcut_light_id id;
   shadowcut_engine* engine = NULL;
-  shadowcut_light_sets* sets = NULL;
-  shadowcut_set_fragment* fragments;
+  shadowcut_light_partition* partition = NULL;
+  shadowcut_partition_fragment* fragments;
   const uint64_t* masks = NULL;
   const double* xyz = NULL;
   const uint32_t faces[2] = {0, 999};
   uint32_t n = 0, words = 0, corners = 0, i, part = 0;
   double by_mask[4] = {0, 0, 0, 0};
-  context = "combined";
+  context = "overlay";
   OK(shadowcut_scene_add_light(s.scene, &second, &id));
   OK(shadowcut_engine_create(s.scene, NULL, &engine));
   OK(shadowcut_engine_update(engine));
-  OK(shadowcut_engine_combined(engine, &sets));
-  OK(shadowcut_light_sets_count(sets, &n, &words));
+  OK(shadowcut_engine_overlay(engine, &partition));
+  OK(shadowcut_light_partition_count(partition, &n, &words));
   CHECK(words == 1);
   fragments = room_for(n, sizeof *fragments);
-  OK(shadowcut_light_sets_fragments(sets, 0, n, fragments));
-  OK(shadowcut_light_sets_masks(sets, &masks));
-  OK(shadowcut_light_sets_corners(sets, &xyz, &corners));
+  OK(shadowcut_light_partition_fragments(partition, 0, n, fragments));
+  OK(shadowcut_light_partition_masks(partition, &masks));
+  OK(shadowcut_light_partition_corners(partition, &xyz, &corners));
   for (i = 0; i < n; ++i)
     if (fragments[i].face == 0)
       ++part, by_mask[masks[i]] +=
               fan_area(xyz + 3 * fragments[i].first_corner, fragments[i].corner_count);
   CHECK(fabs(by_mask[0] - 2) < 1e-9 && fabs(by_mask[1] - 2) < 1e-9 && fabs(by_mask[2] - 2) < 1e-9 &&
         fabs(by_mask[3] - 58) < 1e-9);
-  INVALID(shadowcut_light_sets_fragments(sets, 0, n + 1, fragments));
-  INVALID(shadowcut_light_sets_count(NULL, &n, &words));
-  INVALID(shadowcut_light_sets_masks(sets, NULL));
-  INVALID(shadowcut_light_sets_corners(NULL, &xyz, &corners));
-  shadowcut_light_sets_destroy(sets);
-  OK(shadowcut_engine_combined_faces(engine, faces, 2, &sets));
-  OK(shadowcut_light_sets_count(sets, &n, &words));
+  INVALID(shadowcut_light_partition_fragments(partition, 0, n + 1, fragments));
+  INVALID(shadowcut_light_partition_count(NULL, &n, &words));
+  INVALID(shadowcut_light_partition_masks(partition, NULL));
+  INVALID(shadowcut_light_partition_corners(NULL, &xyz, &corners));
+  shadowcut_light_partition_destroy(partition);
+  OK(shadowcut_engine_overlay_faces(engine, faces, 2, &partition));
+  OK(shadowcut_light_partition_count(partition, &n, &words));
   CHECK(n == part);
-  shadowcut_light_sets_destroy(sets);
-  shadowcut_light_sets_destroy(NULL);
-  INVALID(shadowcut_engine_combined_faces(engine, faces, -1, &sets));
-  INVALID(shadowcut_engine_combined_faces(engine, NULL, 1, &sets));
-  INVALID(shadowcut_engine_combined(engine, NULL));
-  INVALID(shadowcut_engine_combined(NULL, &sets));
+  shadowcut_light_partition_destroy(partition);
+  shadowcut_light_partition_destroy(NULL);
+  INVALID(shadowcut_engine_overlay_faces(engine, faces, -1, &partition));
+  INVALID(shadowcut_engine_overlay_faces(engine, NULL, 1, &partition));
+  INVALID(shadowcut_engine_overlay(engine, NULL));
+  INVALID(shadowcut_engine_overlay(NULL, &partition));
   free(fragments);
   shadowcut_engine_destroy(engine);
   shadowcut_scene_destroy(s.scene);

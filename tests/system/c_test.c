@@ -16,7 +16,7 @@ int main(void) {
   test_cast();
   test_same_as_cpp();
   test_engine();
-  test_combined();
+  test_overlay();
   test_buffers();
   for (seed = 1; seed <= 3; ++seed) test_mirrors(seed);
   test_memory_of_updates(1);

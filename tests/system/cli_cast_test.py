@@ -161,7 +161,7 @@ class Results(Cli):
 
     def test_sides_are_honoured(self):
         box = os.path.join(DATA, "city8.obj")
-        closed = self.cast_json(box, "--light", "sun:1,2,-3")["lights"][0]
+        closed = self.cast_json(box, "--light", "directional:1,2,-3")["lights"][0]
         opened = self.cast_json(box, "--light", "sun:1,2,-3", "--sides", "open")["lights"][0]
         self.assertEqual(closed["facing_faces"], 193)
         self.assertEqual(opened["facing_faces"], 385)

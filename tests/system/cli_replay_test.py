@@ -202,6 +202,16 @@ class Replay(Cli):
             ["point:-1.5,2.25,3", "sun:0,1,-1"],
         )
 
+    def test_position_and_direction_of_lights(self):
+        self.first_lights = (self.LIGHT, "directional:1,2,-3")
+        self.check_mirror(
+            self.script(
+                {"op": "light", "light": 0, "position": [-1.5, 2.25, 3]},
+                {"op": "light", "light": 1, "direction": [0, 1, -1]},
+            ),
+            ["point:-1.5,2.25,3", "sun:0,1,-1"],
+        )
+
     def test_a_group_without_an_update_gets_one_at_the_end(self):
         edit = {"op": "move", "object": "on", "translate": [0, 0, 0.25]}
         self.assertEqual([u["edits"] for u in self.replay(self.script(edit, edit))["updates"]], [2])
@@ -349,6 +359,8 @@ class Replay(Cli):
             ({"op": "light", "light": -1, "at": [0, 0, 1]}, "light"),
             ({"op": "light", "light": 0.5, "at": [0, 0, 1]}, "light"),
             ({"op": "light", "light": 0}, "at"),
+            ({"op": "light", "light": 0, "at": [0, 0, 1], "position": [0, 0, 1]}, "only one"),
+            ({"op": "light", "light": 0, "direction": [0, 0, 1]}, "position"),
             ({"op": "light", "light": 0, "at": [0, 0]}, "at"),
         ):
             self.refuses([good, {"op": "update"}, "", bad, good], 4, says)

@@ -35,7 +35,7 @@ TEST(Changes, NothingWithoutEdits) {
 TEST(Changes, OfOneBuildingAreFew) {
   for (const std::uint32_t size : {0u, 128u}) {
     Options options;
-    options.facets_per_cell = size;
+    options.tuning.facets_per_cell = size;
     const SceneData data = scenes::city(12);
     Scene scene = scenes::build(data);
     Engine engine(scene, options);
@@ -45,7 +45,7 @@ TEST(Changes, OfOneBuildingAreFew) {
     for (int k = 1; k <= 8; ++k) {
       Pose pose = home;
       pose.pretranslate(Vec3(k % 2 ? 0.05 : 0, 0, 0));
-      ASSERT_EQ(scene.set_pose(house, pose), Edit::done);
+      ASSERT_EQ(scene.set_pose(house, pose), Status::ok);
       const Changes& changes = engine.update();
       EXPECT_EQ(changes.applied, 1u);
       ASSERT_EQ(changes.lights.size(), 1u);
@@ -68,13 +68,13 @@ TEST(Changes, OfOneLightAreItsOwn) {
   Engine engine(scene);
   engine.update();
   const Shadows lamp = engine.shadows(0);
-  ASSERT_EQ(scene.set_light(sun, Light::directional({0.25, 0.25, -1})), Edit::done);
+  ASSERT_EQ(scene.set_light(sun, Light::directional({0.25, 0.25, -1})), Status::ok);
   const Changes& moved = engine.update();
   EXPECT_EQ(moved.applied, 1u);
   ASSERT_EQ(moved.lights.size(), 1u);
   EXPECT_EQ(moved.lights[0].light, 1u);
   EXPECT_TRUE(moved.lights[0].rebuilt);
-  ASSERT_EQ(scene.remove(sun), Edit::done);
+  ASSERT_EQ(scene.remove(sun), Status::ok);
   const Changes& removed = engine.update();
   ASSERT_EQ(removed.lights.size(), 1u);
   EXPECT_EQ(removed.lights[0].light, 1u);
@@ -88,8 +88,8 @@ TEST(Changes, OfOneLightAreItsOwn) {
 TEST(Changes, FromNothingToNothing) {
   for (const bool edits : {true, false}) {
     Options options;
-    options.edits = edits;
-    options.facets_per_cell = 4;
+    options.tuning.incremental = edits;
+    options.tuning.facets_per_cell = 4;
     Scene scene;
     Engine engine(scene, options);
     Mirror mirror;
@@ -110,13 +110,13 @@ TEST(Changes, FromNothingToNothing) {
     }
     const LightId second = scene.add(Light::directional({1, 0, -1}));
     ASSERT_EQ(update(), "");
-    ASSERT_EQ(scene.remove(first), Edit::done);
+    ASSERT_EQ(scene.remove(first), Status::ok);
     ASSERT_EQ(update(), "");
     for (const ObjectId box : boxes) {
-      ASSERT_EQ(scene.remove(box), Edit::done);
+      ASSERT_EQ(scene.remove(box), Status::ok);
       ASSERT_EQ(update(), "");
     }
-    ASSERT_EQ(scene.remove(second), Edit::done);
+    ASSERT_EQ(scene.remove(second), Status::ok);
     ASSERT_EQ(update(), "");
     ASSERT_EQ(scene.add(Light::point({0, 0, 1})).index, second.index);
     scene.add(scenes::box({0, 0, 0}, {1, 1, 0.5}), {});
@@ -131,8 +131,8 @@ TEST(Changes, WhatCameAndWentInBetween) {
   Engine engine(scene, options);
   Mirror mirror;
   ASSERT_EQ(mirror.apply(engine.update(), engine), "");
-  ASSERT_EQ(scene.remove(scene.add(scenes::box({0, 0, 3}, {1, 1, 4}), {})), Edit::done);
-  ASSERT_EQ(scene.remove(scene.add(Light::point({1, 1, 9}))), Edit::done);
+  ASSERT_EQ(scene.remove(scene.add(scenes::box({0, 0, 3}, {1, 1, 4}), {})), Status::ok);
+  ASSERT_EQ(scene.remove(scene.add(Light::point({1, 1, 9}))), Status::ok);
   const Changes& changes = engine.update();
   EXPECT_EQ(mirror.apply(changes, engine), "");
   EXPECT_EQ(check_same_scene(scene, engine.scene()), "");

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "follower.hpp"
+#include "scene/scene_access.hpp"
 
 namespace shadowcut::testing {
 namespace {
@@ -15,34 +16,34 @@ TEST(Ids, StaleOnesChangeNothing) {
   Engine engine(scene);
   engine.update();
   const ObjectId gone = scene.object_id(2);
-  ASSERT_EQ(scene.remove(gone), Edit::done);
+  ASSERT_EQ(scene.remove(gone), Status::ok);
   const LightId lamp = scene.add(Light::point({9, 9, 9}));
-  ASSERT_EQ(scene.remove(lamp), Edit::done);
+  ASSERT_EQ(scene.remove(lamp), Status::ok);
   const Scene before = scene;
-  const std::uint64_t revision = scene.revision();
+  const std::uint64_t revision = SceneAccess::revision(scene);
   const std::vector<Vec3> vertices(8, Vec3::Zero());
-  const auto expect_refused = [&](ObjectId object, LightId light, Edit as) {
+  const auto expect_refused = [&](ObjectId object, LightId light, Status as) {
     EXPECT_EQ(scene.remove(object), as);
     EXPECT_EQ(scene.set_pose(object, Pose::Identity()), as);
     EXPECT_EQ(scene.set_vertices(object, vertices), as);
-    EXPECT_EQ(scene.set_casts(object, false), as);
-    EXPECT_EQ(scene.set_receives(object, false), as);
+    EXPECT_EQ(scene.set_casts_shadows(object, false), as);
+    EXPECT_EQ(scene.set_receives_shadows(object, false), as);
     EXPECT_EQ(scene.remove(light), as);
     EXPECT_EQ(scene.set_light(light, Light::point({1, 2, 3})), as);
     EXPECT_EQ(scene.find(object), nullptr);
     EXPECT_EQ(scene.find(light), nullptr);
     EXPECT_EQ(check_same_scene(before, scene), "");
-    EXPECT_EQ(scene.revision(), revision);
+    EXPECT_EQ(SceneAccess::revision(scene), revision);
   };
-  expect_refused(gone, lamp, Edit::stale);
-  expect_refused({}, {}, Edit::foreign);
+  expect_refused(gone, lamp, Status::stale);
+  expect_refused({}, {}, Status::foreign);
   Scene other = scenes::build(scenes::city(2));
-  expect_refused(other.object_id(1), other.light_id(0), Edit::foreign);
+  expect_refused(other.object_id(1), other.light_id(0), Status::foreign);
   ObjectId beyond = scene.object_id(1);
   beyond.index = 100;
   LightId light_beyond = scene.light_id(0);
   light_beyond.index = 100;
-  expect_refused(beyond, light_beyond, Edit::foreign);
+  expect_refused(beyond, light_beyond, Status::foreign);
   EXPECT_EQ(scene.object_id(2), ObjectId{});
   EXPECT_EQ(scene.object_id(100), ObjectId{});
   EXPECT_EQ(scene.light_id(1), LightId{});
@@ -50,7 +51,7 @@ TEST(Ids, StaleOnesChangeNothing) {
   const ObjectId again = scene.add(scenes::box({0, 0, 0}, {1, 1, 1}), {});
   EXPECT_EQ(again.index, gone.index);
   EXPECT_NE(again.generation, gone.generation);
-  EXPECT_EQ(scene.remove(gone), Edit::stale);
+  EXPECT_EQ(scene.remove(gone), Status::stale);
   EXPECT_NE(scene.find(again), nullptr);
 }
 
@@ -58,7 +59,7 @@ TEST(Ids, BadArgumentsChangeNothing) {
   Scene scene = scenes::build(scenes::city(2));
   const ObjectId house = scene.object_id(1);
   const Scene before = scene;
-  const std::uint64_t revision = scene.revision();
+  const std::uint64_t revision = SceneAccess::revision(scene);
   Pose singular = Pose::Identity();
   singular.linear().setZero();
   EXPECT_THROW(static_cast<void>(scene.set_pose(house, singular)), Error);
@@ -76,16 +77,16 @@ TEST(Ids, BadArgumentsChangeNothing) {
   settings.pose = singular;
   EXPECT_THROW(scene.add(scenes::box({0, 0, 0}, {1, 1, 1}), settings), Error);
   EXPECT_EQ(check_same_scene(before, scene), "");
-  EXPECT_EQ(scene.revision(), revision);
+  EXPECT_EQ(SceneAccess::revision(scene), revision);
 }
 
 TEST(Ids, CopyOfASceneKnowsThem) {
   Scene scene = scenes::build(scenes::city(2));
   const ObjectId house = scene.object_id(1);
   Scene copy = scene;
-  ASSERT_EQ(copy.remove(house), Edit::done);
+  ASSERT_EQ(copy.remove(house), Status::ok);
   EXPECT_NE(scene.find(house), nullptr);
-  EXPECT_EQ(scene.set_casts(house, false), Edit::done);
+  EXPECT_EQ(scene.set_casts_shadows(house, false), Status::ok);
   EXPECT_EQ(check_arrays(copy), "");
   EXPECT_EQ(check_arrays(scene), "");
 }
@@ -99,8 +100,8 @@ TEST(Ids, ReplacedLightsAreStale) {
   ASSERT_EQ(mirror.apply(engine.update(), engine), "");
   const std::array lights{Light::directional({0, 0.25, -1})};
   scene.replace_lights(lights);
-  EXPECT_EQ(scene.remove(first), Edit::stale);
-  EXPECT_EQ(scene.remove(second), Edit::stale);
+  EXPECT_EQ(scene.remove(first), Status::stale);
+  EXPECT_EQ(scene.remove(second), Status::stale);
   EXPECT_EQ(scene.light_id(0).index, 0u);
   EXPECT_EQ(scene.light_id(1), LightId{});
   ASSERT_EQ(mirror.apply(engine.update(), engine), "");
@@ -129,9 +130,9 @@ TEST(Ids, AThousandRoundsUseTheSameRoom) {
     const ObjectId a = scene.add(box, {}), b = scene.add(sheet, {});
     const LightId l = scene.add(Light::point({1, 2, 3}));
     generations.insert(a.generation);
-    ASSERT_EQ(scene.remove(a), Edit::done);
-    ASSERT_EQ(scene.remove(l), Edit::done);
-    ASSERT_EQ(scene.remove(b), Edit::done);
+    ASSERT_EQ(scene.remove(a), Status::ok);
+    ASSERT_EQ(scene.remove(l), Status::ok);
+    ASSERT_EQ(scene.remove(b), Status::ok);
   };
   round();
   round();
@@ -151,7 +152,7 @@ TEST(Ids, FoldingAndUnfoldingUsesTheSameRooms) {
   folded[7].z() += 0.5;
   std::size_t after_some = 0;
   for (int k = 0; k < 1000; ++k) {
-    ASSERT_EQ(scene.set_vertices(id, k % 2 ? box.vertices : folded), Edit::done);
+    ASSERT_EQ(scene.set_vertices(id, k % 2 ? box.vertices : folded), Status::ok);
     if (k == 5) after_some = scene.corners().size();
   }
   EXPECT_EQ(scene.corners().size(), after_some);
@@ -166,11 +167,11 @@ TEST(Ids, WeldingIsDecidedAgainAfterAMove) {
   const ObjectId id = scene.add(mesh, {});
   ObjectSettings far;
   far.pose.translation() = Vec3(1024, 0, 0);
-  ASSERT_EQ(scene.set_pose(id, far.pose), Edit::done);
+  ASSERT_EQ(scene.set_pose(id, far.pose), Status::ok);
   fresh.add(mesh, far);
   EXPECT_EQ(scene.find(id)->vertex_count, fresh.objects()[0].vertex_count);
   EXPECT_EQ(scene.find(id)->edge_count, fresh.objects()[0].edge_count);
-  ASSERT_EQ(scene.set_pose(id, Pose::Identity()), Edit::done);
+  ASSERT_EQ(scene.set_pose(id, Pose::Identity()), Status::ok);
   EXPECT_EQ(scene.find(id)->vertex_count, 8u);
 }
 

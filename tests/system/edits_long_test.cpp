@@ -31,7 +31,7 @@ struct State {
     for (const Block& block : s.blocks) {
       for (const Fragment& f : block.fragments) {
         largest_piece = std::max(largest_piece, f.id.piece);
-        if (f.id.place != none) largest_place = std::max(largest_place, f.id.place);
+        if (f.id.place != invalid_index) largest_place = std::max(largest_place, f.id.place);
       }
     }
   }
@@ -91,12 +91,12 @@ void expect_rounds_repeat(const Setting& setting, std::uint64_t seed, const Opti
 
 std::vector<Options> options_for_rounds() {
   std::vector<Options> all(4);
-  all[1].join_threshold = 0;
+  all[1].tuning.join_threshold = 0;
   all[1].form = Form::pieces;
-  all[2].join_threshold = 1000000;
-  all[2].facets_per_cell = 4;
+  all[2].tuning.join_threshold = 1000000;
+  all[2].tuning.facets_per_cell = 4;
   all[3].form = Form::conforming;
-  all[3].facets_per_cell = 0;
+  all[3].tuning.facets_per_cell = 0;
   for (Options& o : all) o.threads = 1;
   return all;
 }
@@ -177,7 +177,7 @@ TEST_P(LongRunsOf, SomeObjectsMove) {
   for (const std::uint32_t threshold : {0u, 16u}) {
     Options options;
     options.threads = 1;
-    options.join_threshold = threshold;
+    options.tuning.join_threshold = threshold;
     EditScript script(setting_named(GetParam()), 3);
     Engine engine(script.scene(), options);
     engine.update();
@@ -206,8 +206,8 @@ TEST_P(LongRunsOf, SomeObjectsMove) {
 TEST_P(LongRunsOf, AllObjectsMove) {
   Options options;
   options.threads = 1;
-  options.order = Order::as_given;
-  options.facets_per_cell = 0;  // both without a prefix, which would be another one
+  options.tuning.order = Order::as_given;
+  options.tuning.facets_per_cell = 0;  // both without a prefix, which would be another one
   EditScript script(setting_named(GetParam()), 4);
   Engine engine(script.scene(), options);
   engine.update();

@@ -11,6 +11,7 @@
 #include "edit_checks.hpp"
 #include "edit_scripts.hpp"
 #include "failing_new.hpp"
+#include "scene/scene_access.hpp"
 
 namespace shadowcut::testing {
 namespace {
@@ -38,7 +39,7 @@ std::int64_t next(std::int64_t n) { return n < 300 ? n + 1 : n + n / 100; }
 std::string check_right(const Scene& scene, const Engine& engine) {
   std::string what = engine.validate() + check_same_scene(scene, engine.scene());
   for (std::size_t k = 0; k < scene.lights().size() && what.empty(); ++k) {
-    if (scene.light_id(k).index == none) continue;
+    if (scene.light_id(k).index == invalid_index) continue;
     Options once;
     once.threads = 1;
     what = check_same_areas(scene, cast_shadows(scene, scene.lights()[k], once), engine.shadows(k));
@@ -54,8 +55,8 @@ void expect_answers_nothing(Engine& engine) {
   EXPECT_THROW(engine.light_count(), Error);
   EXPECT_THROW(engine.shadows(0), Error);
   EXPECT_THROW(engine.find(0, {0, 0, 0}), Error);
-  EXPECT_THROW(engine.combined(), Error);
-  EXPECT_THROW(engine.combined({}), Error);
+  EXPECT_THROW(engine.overlay(), Error);
+  EXPECT_THROW(engine.overlay({}), Error);
   EXPECT_THROW(engine.validate(), Error);
 }
 
@@ -72,9 +73,9 @@ constexpr Case kCases[] = {{Form::merged, 128, 16},
 Options options_of(const Case& c) {
   Options o;
   o.form = c.form;
-  o.facets_per_cell = c.facets_per_cell;
-  o.join_threshold = c.join_threshold;
-  o.edits = c.edits;
+  o.tuning.facets_per_cell = c.facets_per_cell;
+  o.tuning.join_threshold = c.join_threshold;
+  o.tuning.incremental = c.edits;
   o.threads = 1;
   return o;
 }
@@ -231,7 +232,8 @@ TEST(OutOfMemory, DuringAnEdit) {
        [&](Scene& s, ObjectId id) { static_cast<void>(s.set_pose(id, wide)); }},
       {"set_vertices",
        [&](Scene& s, ObjectId id) { static_cast<void>(s.set_vertices(id, folded)); }},
-      {"set_casts", [&](Scene& s, ObjectId id) { static_cast<void>(s.set_casts(id, false)); }},
+      {"set_casts",
+       [&](Scene& s, ObjectId id) { static_cast<void>(s.set_casts_shadows(id, false)); }},
       {"add light", [&](Scene& s, ObjectId) { s.add(named); }},
       {"remove light", [&](Scene& s, ObjectId) { static_cast<void>(s.remove(s.light_id(0))); }},
       {"set_light",
@@ -249,16 +251,16 @@ TEST(OutOfMemory, DuringAnEdit) {
         scene.add(Light::point({0.5, 0.25, 4}));
         if (holes) {
           const ObjectId gone = scene.add(box, {});
-          ASSERT_EQ(scene.remove(gone), Edit::done);
-          ASSERT_EQ(scene.remove(scene.add(named)), Edit::done);
+          ASSERT_EQ(scene.remove(gone), Status::ok);
+          ASSERT_EQ(scene.remove(scene.add(named)), Status::ok);
         }
         const Scene before = scene;
-        const std::uint64_t revision = scene.revision();
+        const std::uint64_t revision = SceneAccess::revision(scene);
         outcome = with_failure_at(n, [&] { e.edit(scene, id); });
         ASSERT_EQ(check_arrays(scene), "");
         if (outcome != Outcome::out_of_memory) continue;
         EXPECT_EQ(check_same_scene(before, scene), "");
-        EXPECT_EQ(scene.revision(), revision);
+        EXPECT_EQ(SceneAccess::revision(scene), revision);
         e.edit(scene, id);  // nothing is lost
         ASSERT_EQ(check_arrays(scene), "");
         if (HasFailure()) break;

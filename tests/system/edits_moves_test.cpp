@@ -28,7 +28,7 @@ struct Theatre {
   void move(ObjectId id, const Vec3& to) {
     Pose pose = Pose::Identity();
     pose.translation() = to;
-    ASSERT_EQ(scene.set_pose(id, pose), Edit::done);
+    ASSERT_EQ(scene.set_pose(id, pose), Status::ok);
   }
   // Against a rebuild and against the oracle.
   void expect_right() {
@@ -48,8 +48,8 @@ void in_every_form(const Play& play) {
       for (const std::uint32_t size : {0u, 4u}) {
         Theatre t;
         t.options.form = form;
-        t.options.join_threshold = threshold;
-        t.options.facets_per_cell = size;
+        t.options.tuning.join_threshold = threshold;
+        t.options.tuning.facets_per_cell = size;
         SCOPED_TRACE(describe(t.options));
         play(t);
         if (::testing::Test::HasFailure()) return;
@@ -69,7 +69,7 @@ TEST(Moves, ManyAtOnceSameBitsOnAnyNumberOfThreads) {
       Options options;
       options.kernel = kernel;
       options.threads = threads;
-      options.facets_per_cell = 32;
+      options.tuning.facets_per_cell = 32;
       engines.push_back(std::make_unique<Engine>(scene, options));
       engines.back()->update();
     }
@@ -80,7 +80,7 @@ TEST(Moves, ManyAtOnceSameBitsOnAnyNumberOfThreads) {
         if (i % 5 > 1) continue;
         Pose pose = scene.objects()[i].pose;
         pose.pretranslate(Vec3(k % 2 ? 0.05 : -0.05, 0.01 * static_cast<double>(i % 3), 0));
-        ASSERT_EQ(scene.set_pose(scene.object_id(i), pose), Edit::done);
+        ASSERT_EQ(scene.set_pose(scene.object_id(i), pose), Status::ok);
       }
       std::vector<const Changes*> changes;
       for (const auto& engine : engines) changes.push_back(&engine->update());
@@ -113,7 +113,7 @@ TEST(Moves, DraggedDeskSeldomHasItsCellBuiltAgain) {
     SCOPED_TRACE("move " + std::to_string(k));
     ASSERT_EQ(scene.set_pose(
                   id, Eigen::Translation3d(k % 2 ? 0.05 : 0, 0.03 * std::sin(0.1 * k), 0) * home),
-              Edit::done);
+              Status::ok);
     engine.update();
     if (k % 100 != 0) continue;
     ASSERT_EQ(engine.validate(), "");
@@ -121,7 +121,7 @@ TEST(Moves, DraggedDeskSeldomHasItsCellBuiltAgain) {
     EXPECT_LE(static_cast<double>(engine.shadows(0).stats.nodes),
               kRot * static_cast<double>(nodes_of_new(scene, options)));
   }
-  EXPECT_LE(engine.shadows(0).stats.cells_built_again, 20u);
+  EXPECT_LE(engine.shadows(0).stats.cells_rebuilt, 20u);
 }
 
 // Of several that take turns each is cut by the others, and cuts them, a little more at every step.
@@ -148,7 +148,7 @@ TEST(Moves, DesksTakingTurnsDoNotRot) {
     SCOPED_TRACE("move " + std::to_string(k));
     const std::size_t d = random.below(3);
     by = {step(by[0]), step(by[1]), 0};
-    ASSERT_EQ(scene.set_pose(desks[d], Eigen::Translation3d(by) * homes[d]), Edit::done);
+    ASSERT_EQ(scene.set_pose(desks[d], Eigen::Translation3d(by) * homes[d]), Status::ok);
     engine.update();
     if (k % 150 != 0) continue;
     ASSERT_EQ(engine.validate(), "");
@@ -216,7 +216,7 @@ TEST(Moves, PileIsTakenDownAndBuiltAgain) {
     t.scene.add(Light::directional({1, 0, -1}));
     t.expect_right();
     for (int k = 0; k < 4; ++k) {  // from below: the others hang in the air
-      ASSERT_EQ(t.scene.remove(pile[static_cast<std::size_t>(k)]), Edit::done);
+      ASSERT_EQ(t.scene.remove(pile[static_cast<std::size_t>(k)]), Status::ok);
       t.expect_right();
     }
     for (int k = 3; k >= 0; --k) {
@@ -241,17 +241,17 @@ TEST(Moves, RootFaceIsRemoved) {
     for (int k = 0; k < 3; ++k) {
       t.move(screen, {0, 0, 1.5});  // above some of the lower ones, crossing the upper ones
       t.expect_right();
-      ASSERT_EQ(t.scene.set_casts(screen, false), Edit::done);
+      ASSERT_EQ(t.scene.set_casts_shadows(screen, false), Status::ok);
       t.expect_right();
-      ASSERT_EQ(t.scene.set_receives(screen, false), Edit::done);
+      ASSERT_EQ(t.scene.set_receives_shadows(screen, false), Status::ok);
       t.expect_right();
-      ASSERT_EQ(t.scene.set_casts(screen, true), Edit::done);
+      ASSERT_EQ(t.scene.set_casts_shadows(screen, true), Status::ok);
       t.expect_right();
-      ASSERT_EQ(t.scene.set_receives(screen, true), Edit::done);
+      ASSERT_EQ(t.scene.set_receives_shadows(screen, true), Status::ok);
       t.move(screen, Vec3::Zero());
       t.expect_right();
     }
-    ASSERT_EQ(t.scene.remove(screen), Edit::done);
+    ASSERT_EQ(t.scene.remove(screen), Status::ok);
     t.expect_right();
   });
 }
@@ -288,7 +288,7 @@ TEST(Moves, LidOfAClosedBoxDeforms) {
       std::vector<Vec3> vertices = box.vertices;
       vertices[7].z() += lift;
       vertices[4].x() += lift;
-      ASSERT_EQ(t.scene.set_vertices(id, vertices), Edit::done);
+      ASSERT_EQ(t.scene.set_vertices(id, vertices), Status::ok);
       t.expect_right();
     }
   });

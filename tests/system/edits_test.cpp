@@ -48,7 +48,7 @@ TEST_P(EditsOf, CombinedLights) {
       f.script.step();
       if (step % 4 != 0) continue;
       f.engine.update();
-      ASSERT_EQ(check_combined(f.engine), "") << f.where() << ", update " << step;
+      ASSERT_EQ(check_overlay(f.engine), "") << f.where() << ", update " << step;
     }
   }
 }
@@ -59,7 +59,7 @@ TEST_P(EditsOf, SameHistorySameBits) {
     std::vector<std::unique_ptr<Follower>> all;
     for (const unsigned threads : {1u, 1u, 2u}) {
       Options options = some_options(seed);
-      options.edits = true;
+      options.tuning.incremental = true;
       options.threads = threads;
       all.push_back(std::make_unique<Follower>(GetParam(), seed, options));
     }
@@ -73,7 +73,7 @@ TEST_P(EditsOf, SameHistorySameBits) {
         ASSERT_EQ(steps[0], steps[other]);
         ASSERT_EQ(check_identical(*changes[0], *changes[other]), "");
         for (std::size_t k = 0; k < all[0]->engine.light_count(); ++k) {
-          if (all[0]->engine.scene().light_id(k).index == none) continue;
+          if (all[0]->engine.scene().light_id(k).index == invalid_index) continue;
           ASSERT_EQ(check_identical(all[0]->engine.shadows(k), all[other]->engine.shadows(k)), "")
               << "light " << k;
         }
@@ -151,8 +151,8 @@ TEST_P(EditsOf, EditedObjectIsTheObjectAddedThere) {
         const Object& b = fresh.objects()[index];
         SCOPED_TRACE(a->name);
         ASSERT_EQ(a->name, b.name);
-        ASSERT_TRUE(a->sides == b.sides && a->casts == b.casts && a->receives == b.receives &&
-                    a->moves == b.moves);
+        ASSERT_TRUE(a->sides == b.sides && a->casts_shadows == b.casts_shadows &&
+                    a->receives_shadows == b.receives_shadows && a->dynamic == b.dynamic);
         ASSERT_EQ(a->pose.matrix(), b.pose.matrix());
         ASSERT_EQ(a->vertex_count, b.vertex_count);
         ASSERT_EQ(a->edge_count, b.edge_count);
@@ -172,7 +172,7 @@ TEST_P(EditsOf, EditedObjectIsTheObjectAddedThere) {
       }
       if (step % 4 != 0) continue;
       for (std::size_t k = 0; k < scene.lights().size(); ++k) {
-        if (scene.light_id(k).index == none) continue;
+        if (scene.light_id(k).index == invalid_index) continue;
         const Shadows here = cast_shadows(scene, scene.lights()[k]),
                       there = cast_shadows(fresh, scene.lights()[k]);
         for (const auto& [a, index] : pairs) {

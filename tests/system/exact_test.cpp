@@ -43,12 +43,12 @@ Options some_options(std::uint64_t seed) {
   o.kernel = Kernel::exact;
   o.constructions = true;
   o.form = static_cast<Form>(random.below(2));  // not conforming: it has no constructions
-  o.order = static_cast<Order>(random.below(3));
-  o.facets_per_cell = sizes[random.below(3)];
-  o.join_threshold = thresholds[random.below(4)];
-  o.edits = random.below(4) != 0;
+  o.tuning.order = static_cast<Order>(random.below(3));
+  o.tuning.facets_per_cell = sizes[random.below(3)];
+  o.tuning.join_threshold = thresholds[random.below(4)];
+  o.tuning.incremental = random.below(4) != 0;
   o.threads = 1;
-  o.seed = seed;
+  o.tuning.seed = seed;
   return o;
 }
 
@@ -114,7 +114,7 @@ std::string check_same_constructions(const Shadows& a, const Shadows& b) {
       return "block " + std::to_string(k) + " has another number of constructions";
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (x[i].vertex != y[i].vertex ||
-          (x[i].vertex == none &&
+          (x[i].vertex == invalid_index &&
            !(same_numbers(x[i].in, y[i].in) && same_numbers(x[i].out, y[i].out))))
         return "block " + std::to_string(k) + ", construction " + std::to_string(i) + " differs";
     }
@@ -127,7 +127,7 @@ TEST_P(ExactOf, TwoThreadsSameBits) {
     const ExactScene made = exact_scene(GetParam(), seed);
     const Scene scene = build(made);
     Options options = some_options(seed);
-    options.facets_per_cell = 2;
+    options.tuning.facets_per_cell = 2;
     const Shadows one = cast_shadows(scene, made.light, options);
     options.threads = 2;
     const Shadows two = cast_shadows(scene, made.light, options);
@@ -363,7 +363,7 @@ class Run {
   std::string check() const {
     std::string what = engine_.validate();
     for (std::size_t k = 0; k < engine_.light_count() && what.empty(); ++k) {
-      if (engine_.scene().light_id(k).index == none) continue;
+      if (engine_.scene().light_id(k).index == invalid_index) continue;
       const GmpOracle oracle(engine_.scene(), engine_.scene().lights()[k]);
       if (oracle.defined()) what = check_exact(oracle, engine_.shadows(k), options_.form);
       if (!what.empty()) what = "light " + std::to_string(k) + ": " + what;
@@ -376,9 +376,9 @@ class Run {
     if (lights_.empty()) return;
     const std::size_t k = edit.pick % lights_.size();
     if (edit.what == What::move_light) {
-      EXPECT_EQ(scene_.set_light(lights_[k], edit.light), Edit::done);
+      EXPECT_EQ(scene_.set_light(lights_[k], edit.light), Status::ok);
     } else if (lights_.size() > 1) {
-      EXPECT_EQ(scene_.remove(lights_[k]), Edit::done);
+      EXPECT_EQ(scene_.remove(lights_[k]), Status::ok);
       lights_.erase(lights_.begin() + static_cast<std::ptrdiff_t>(k));
     }
   }
@@ -387,18 +387,18 @@ class Run {
     const std::size_t k = edit.pick % objects_.size();
     const ObjectId id = objects_[k];
     if (edit.what == What::remove) {
-      EXPECT_EQ(scene_.remove(id), Edit::done);
+      EXPECT_EQ(scene_.remove(id), Status::ok);
       objects_.erase(objects_.begin() + static_cast<std::ptrdiff_t>(k));
     } else if (edit.what == What::move) {
-      EXPECT_EQ(scene_.set_pose(id, edit.pose), Edit::done);
+      EXPECT_EQ(scene_.set_pose(id, edit.pose), Status::ok);
     } else if (edit.what == What::deform) {
-      std::vector<Vec3> vertices = scene_.given(id)->first.vertices;
+      std::vector<Vec3> vertices = scene_.source(id)->first.vertices;
       vertices[edit.pick / 64 % vertices.size()] = edit.at;
-      EXPECT_EQ(scene_.set_vertices(id, vertices), Edit::done);
+      EXPECT_EQ(scene_.set_vertices(id, vertices), Status::ok);
     } else if (edit.what == What::casts) {
-      EXPECT_EQ(scene_.set_casts(id, !scene_.find(id)->casts), Edit::done);
+      EXPECT_EQ(scene_.set_casts_shadows(id, !scene_.find(id)->casts_shadows), Status::ok);
     } else if (edit.what == What::receives) {
-      EXPECT_EQ(scene_.set_receives(id, !scene_.find(id)->receives), Edit::done);
+      EXPECT_EQ(scene_.set_receives_shadows(id, !scene_.find(id)->receives_shadows), Status::ok);
     }
   }
 
@@ -452,7 +452,7 @@ TEST(ExactEdits, GridHistories) {
   for (std::uint64_t seed = range.first; seed < range.end; ++seed) {
     const History history = some_history(seed, seed % 8 == 7 ? 6 * updates : updates);
     Options options = some_options(seed);
-    options.edits = seed % 8 != 0;
+    options.tuning.incremental = seed % 8 != 0;
     const std::string what = run(history, options);
     ASSERT_EQ(what, "") << "seed " << seed << ", " << explain(history, options);
   }

@@ -86,10 +86,10 @@ void check_bound(const char* kind, std::uint64_t seed, const ExactScene& made, c
   Options options;
   options.kernel = kernel;
   options.threads = 1;
-  options.edits = seed % 2 == 0;
+  options.tuning.incremental = seed % 2 == 0;
   options.form = static_cast<Form>(seed % 3);
-  options.facets_per_cell = seed % 5 == 0 ? 2 : 128;
-  const auto [shadows, undecided] = cast_alone(scene, made.light, options);
+  options.tuning.facets_per_cell = seed % 5 == 0 ? 2 : 128;
+  const auto [shadows, uncertain] = cast_alone(scene, made.light, options);
   Seen& seen = record()[kind][name];
   ++seen.scenes;
   for (std::uint32_t f = 0; f < scene.faces().size(); ++f) {
@@ -97,12 +97,12 @@ void check_bound(const char* kind, std::uint64_t seed, const ExactScene& made, c
     if (got.facing == Facing::refused || got.facing == Facing::ignored) continue;
     const double want = exact_lit_area(oracle, scene.faces()[f]), error = std::abs(got.lit - want);
     ++seen.faces;
-    seen.area += got.area, seen.error += error, seen.bound += undecided[f];
+    seen.area += got.area, seen.error += error, seen.bound += uncertain[f];
     seen.worst = std::max(seen.worst, error / got.area);
     seen.wrong_faces += (want == 0 && got.shadowed == 0) || (got.lit == 0 && want >= got.area);
-    if (error <= undecided[f]) continue;
+    if (error <= uncertain[f]) continue;
     ++seen.beyond;
-    ASSERT_LE(error, undecided[f]) << kind << ", seed " << seed << ", kernel " << name << ", "
+    ASSERT_LE(error, uncertain[f]) << kind << ", seed " << seed << ", kernel " << name << ", "
                                    << describe(options) << ", face " << f << ": lit " << got.lit
                                    << ", should be " << want << " of " << got.area << "\n"
                                    << describe(made);
@@ -138,7 +138,7 @@ Light straight_down() { return Light::directional({0, 0, -1}); }
 ObjectSettings open_sheet(bool casts = true) {
   ObjectSettings settings;
   settings.sides = Sides::open;
-  settings.casts = casts;
+  settings.casts_shadows = casts;
   return settings;
 }
 
@@ -159,7 +159,7 @@ void check_stack(std::uint32_t count, std::uint32_t layers, Order order, std::ui
   }
   Options options;
   options.kernel = Kernel::exact;
-  options.order = order, options.seed = seed;
+  options.tuning.order = order, options.tuning.seed = seed;
   const Shadows shadows = cast_shadows(scene, straight_down(), options);
   for (std::uint32_t k = 0; k < count; ++k) {
     const FaceArea& a = shadows.areas[k];
@@ -198,8 +198,8 @@ void check_tiles(std::uint32_t columns, std::uint32_t rows, Kernel kernel, bool 
   scene.add(tiles, open_sheet(casts));
   Options options;
   options.kernel = kernel;
-  options.facets_per_cell = 0;
-  options.order = Order::random;
+  options.tuning.facets_per_cell = 0;
+  options.tuning.order = Order::random;
   const Shadows shadows = cast_shadows(scene, straight_down(), options);
   ASSERT_EQ(shadows.stats.cells, 1u);
   ASSERT_EQ(shadows.areas.size(), std::size_t{columns} * rows + 1);
@@ -239,7 +239,7 @@ TEST(ExtremeSizes, AllEdgesInOneLine) {
                   open_sheet());
       }
       Options options;
-      options.kernel = kernel, options.order = order;
+      options.kernel = kernel, options.tuning.order = order;
       const Shadows shadows = cast_shadows(scene, straight_down(), options);
       double farthest[2] = {0, 0};
       for (int i = 0; i < count; ++i) {
@@ -291,7 +291,8 @@ TEST(ExtremeSizes, AllFacesShareOneVertex) {
     for (const Order order : {Order::as_given, Order::random, Order::solid_angle}) {
       for (const std::uint32_t cell : {0u, 128u}) {
         Options options;
-        options.kernel = kernel, options.order = order, options.facets_per_cell = cell;
+        options.kernel = kernel, options.tuning.order = order,
+        options.tuning.facets_per_cell = cell;
         const Shadows shadows = cast_shadows(scene, straight_down(), options);
         for (std::uint32_t i = 0; i < count; ++i) {
           ASSERT_NEAR(shadows.areas[i].lit, clipped(i), 1e-13)
@@ -350,8 +351,8 @@ TEST(ExtremeSizes, SheetsOfOneVertexInEveryOrder) {
     const Shadows first = cast_shadows(scene, light, options);
     EXPECT_GT(first.stats.shadowed_area, 0);
     for (const Order order : {Order::as_given, Order::random}) {
-      options.order = order, options.seed = 3,
-      options.facets_per_cell = order == Order::random ? 0 : 16;
+      options.tuning.order = order, options.tuning.seed = 3,
+      options.tuning.facets_per_cell = order == Order::random ? 0 : 16;
       EXPECT_EQ(check_same_areas(scene, first, cast_shadows(scene, light, options), 1e-13), "")
           << static_cast<int>(order);
     }
@@ -417,7 +418,8 @@ TEST(ExtremeNumbers, OddObjectsHarmNoOther) {
       for (const Form form : {Form::pieces, Form::merged, Form::conforming}) {
         for (const bool edits : {false, true}) {
           Options options;
-          options.kernel = kernel, options.form = form, options.edits = edits, options.threads = 1;
+          options.kernel = kernel, options.form = form, options.tuning.incremental = edits,
+          options.threads = 1;
           Scene alone;
           everyday(alone);
           const std::uint32_t count = static_cast<std::uint32_t>(alone.faces().size());
@@ -442,8 +444,8 @@ TEST(ExtremeNumbers, OddObjectsHarmNoOther) {
             Engine engine(scene, options);
             engine.update();
             const Shadows& got = engine.shadows(0);
-            const Undecided undecided = engine.undecided(0);
-            for (const double u : undecided) EXPECT_GE(u, 0);  // no NaN
+            const UncertainArea uncertain = engine.uncertain_area(0);
+            for (const double u : uncertain) EXPECT_GE(u, 0);  // no NaN
             for (const Block& block : got.blocks) {
               for (const Vec3& c : block.corners)
                 EXPECT_TRUE(c.allFinite()) << "corner " << c.transpose();
@@ -458,7 +460,7 @@ TEST(ExtremeNumbers, OddObjectsHarmNoOther) {
                   << "face " << f;
               if (f >= count) continue;
               EXPECT_EQ(a.facing, want.areas[f].facing) << "face " << f;
-              EXPECT_NEAR(a.lit, want.areas[f].lit, undecided[f] + 1e-12) << "face " << f;
+              EXPECT_NEAR(a.lit, want.areas[f].lit, uncertain[f] + 1e-12) << "face " << f;
             }
           }
         }

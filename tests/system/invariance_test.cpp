@@ -40,8 +40,8 @@ TEST(Invariance, AnyOrderGivesTheSameAreas) {
       SCOPED_TRACE("order " + std::to_string(static_cast<int>(order)) + ", seed " +
                    std::to_string(seed));
       Options options;
-      options.order = order;
-      options.seed = static_cast<std::uint64_t>(seed);
+      options.tuning.order = order;
+      options.tuning.seed = static_cast<std::uint64_t>(seed);
       EXPECT_EQ(check_same_areas(scene, first, cast_shadows(scene, data.light, options)), "");
     }
   }
@@ -52,11 +52,11 @@ TEST(Invariance, PrefixGivesTheSameAreas) {
     SCOPED_TRACE(data.name);
     const Scene scene = scenes::build(data);
     Options options;
-    options.facets_per_cell = 0;
+    options.tuning.facets_per_cell = 0;
     const Shadows without = cast_shadows(scene, data.light, options);
     for (const std::uint32_t size : {1u, 4u, 16u, 64u}) {
       SCOPED_TRACE("facets per cell " + std::to_string(size));
-      options.facets_per_cell = size;
+      options.tuning.facets_per_cell = size;
       EXPECT_EQ(check_same_areas(scene, without, cast_shadows(scene, data.light, options)), "");
     }
   }
@@ -69,7 +69,7 @@ TEST(Invariance, AnyNumberOfThreadsGivesTheSameBytes) {
     for (const Form form : {Form::pieces, Form::merged, Form::conforming}) {
       Options options;
       options.form = form;
-      options.facets_per_cell = 8;
+      options.tuning.facets_per_cell = 8;
       options.threads = 1;
       const Shadows one = cast_shadows(scene, data.light, options);
       for (const unsigned threads : {2u, 3u, 4u}) {
@@ -102,7 +102,7 @@ TEST(Invariance, SeveralCallersAtOnce) {
     for (const Kernel kernel : {Kernel::fast, Kernel::exact}) {
       SCOPED_TRACE(data.name + ", kernel " + std::to_string(static_cast<int>(kernel)));
       Options options;
-      options.kernel = kernel, options.threads = 2, options.facets_per_cell = 8;
+      options.kernel = kernel, options.threads = 2, options.tuning.facets_per_cell = 8;
       std::vector<Shadows> results(4);
       std::vector<std::thread> callers;
       for (Shadows& shadows : results) {
@@ -110,8 +110,8 @@ TEST(Invariance, SeveralCallersAtOnce) {
           shadows = cast_shadows(scene, data.light, options);
           Engine engine(scene, options);
           engine.update();
-          engine.combined();
-          engine.undecided(0);
+          engine.overlay();
+          engine.uncertain_area(0);
         });
       }
       for (std::thread& caller : callers) caller.join();
@@ -139,7 +139,7 @@ TEST(Invariance, ManyMovesOnTwoThreads) {
       for (std::size_t o = 1; o < scene.objects().size(); o += 3) {
         ASSERT_EQ(scene.set_pose(scene.object_id(o),
                                  Pose(Eigen::Translation3d(0.01 * step + 0.01, 0.02 * step, 0))),
-                  Edit::done);
+                  Status::ok);
       }
     }
   }
@@ -149,8 +149,8 @@ TEST(Invariance, RandomOrderDependsOnItsSeedAlone) {
   const SceneData data = scenes::triangles(200);
   const Scene scene = scenes::build(data);
   Options options;
-  options.order = Order::random;
-  options.seed = 17;
+  options.tuning.order = Order::random;
+  options.tuning.seed = 17;
   EXPECT_EQ(check_identical(cast_shadows(scene, data.light, options),
                             cast_shadows(scene, data.light, options)),
             "");
@@ -164,8 +164,8 @@ TEST(Invariance, EveryTreeIsValid) {
     for (const std::uint32_t size : {0u, 4u, 64u}) {
       for (const Order order : {Order::solid_angle, Order::as_given, Order::random}) {
         Options options;
-        options.facets_per_cell = size;
-        options.order = order;
+        options.tuning.facets_per_cell = size;
+        options.tuning.order = order;
         Engine engine(scene, options);
         engine.update();
         EXPECT_EQ(engine.validate(), "")
@@ -205,7 +205,7 @@ TEST(Invariance, ConformingHasNoTJunction) {
     for (const std::uint32_t size : {0u, 8u}) {
       Options options;
       options.form = Form::conforming;
-      options.facets_per_cell = size;
+      options.tuning.facets_per_cell = size;
       EXPECT_EQ(check_conforming(scene, cast_shadows(scene, data.light, options)), "")
           << "facets per cell " << size;
     }
@@ -222,7 +222,7 @@ TEST(Invariance, CornersOnSharedCutsAreBitEqual) {
       const Scene scene = scenes::build(data);
       Options options;
       options.form = Form::conforming;
-      options.facets_per_cell = seed % 2 ? 4 : 64;
+      options.tuning.facets_per_cell = seed % 2 ? 4 : 64;
       EXPECT_EQ(check_shared_corners(scene, cast_shadows(scene, data.light, options)), "");
     }
   }
@@ -260,7 +260,7 @@ TEST(Invariance, EngineRemembersWhatOneOffCallsGive) {
     Scene scene = scenes::build(data);
     scene.add(Light::directional({0.25, 0.5, -1}));
     Options options;
-    options.edits = false;
+    options.tuning.incremental = false;
     Engine engine(scene, options);
     engine.update();
     ASSERT_EQ(engine.light_count(), 2u);
@@ -285,7 +285,7 @@ TEST(Invariance, CombinedLightsKeepTheirRegions) {
       scene.replace_lights(lights);
       Engine engine(scene);
       engine.update();
-      const LightSets sets = engine.combined();
+      const LightPartition sets = engine.overlay();
       std::vector<double> whole(scene.faces().size());
       for (const auto& f : sets.fragments) whole[f.face] += polygon_area(sets.corners_of(f));
       for (std::size_t k = 0; k < lights.size(); ++k) {
@@ -311,7 +311,7 @@ TEST(Invariance, CombinedTakesMoreLightsThanAWordHasBits) {
   for (int k = 0; k < 70; ++k) scene.add(Light::point({-2 + 0.06 * k, 0.01 * k, 2 + 0.003 * k}));
   Engine engine(scene);
   engine.update();
-  const LightSets sets = engine.combined();
+  const LightPartition sets = engine.overlay();
   EXPECT_EQ(sets.words, 2u);
   for (std::size_t k = 0; k < 70; ++k) {
     const std::vector<double> lit = lit_areas(scene, sets, k);
@@ -349,13 +349,13 @@ TEST(Invariance, CombinedOnChosenFaces) {
       options.kernel = kernel;
       Engine engine(scene, options);
       engine.update();
-      std::vector<std::uint32_t> faces{none};  // it is passed over
+      std::vector<std::uint32_t> faces{invalid_index};  // it is passed over
       std::vector<bool> chosen;
       for (std::uint32_t f = 0; f < scene.faces().size(); ++f) {
         chosen.push_back(random.below(3) == 0);
         if (chosen.back()) faces.push_back(f);
       }
-      const LightSets all = engine.combined(), part = engine.combined(faces);
+      const LightPartition all = engine.overlay(), part = engine.overlay(faces);
       std::size_t at = 0;
       for (std::size_t i = 0; i < all.fragments.size(); ++i) {
         if (!chosen[all.fragments[i].face]) continue;

@@ -92,8 +92,8 @@ TEST(MinFeature, FragmentsAreThoseWithoutItLessTheSmall) {
     for (const Kernel kernel : kKernels) {
       for (const bool edits : {false, true}) {
         Options options;
-        options.kernel = kernel, options.threads = 1, options.edits = edits,
-        options.facets_per_cell = edits ? 128 : 8;
+        options.kernel = kernel, options.threads = 1, options.tuning.incremental = edits,
+        options.tuning.facets_per_cell = edits ? 128 : 8;
         std::vector<Shadows> full;
         for (const Form form : kForms) {
           options.form = form;
@@ -129,7 +129,7 @@ TEST(MinFeature, ConstructionsStayWithTheirCorners) {
       for (const bool edits : {false, true}) {
         Options options;
         options.kernel = Kernel::exact, options.constructions = true;
-        options.form = form, options.edits = edits, options.threads = 1;
+        options.form = form, options.tuning.incremental = edits, options.threads = 1;
         const Shadows full = by_engine(c.scene, options);
         options.min_feature.area = 1e-2 * mean_area(c.scene);
         SCOPED_TRACE(c.name + ", " + describe_all(options));
@@ -146,7 +146,7 @@ TEST(MinFeature, WhatIsSmallerThanAllPartsDropsNothing) {
   for (const Case& c : cases()) {
     for (const bool edits : {false, true}) {
       Options options;
-      options.form = Form::pieces, options.edits = edits, options.threads = 1;
+      options.form = Form::pieces, options.tuning.incremental = edits, options.threads = 1;
       SCOPED_TRACE(c.name + ", " + describe(options));
       const Shadows full = by_engine(c.scene, options);
       double least = kInfinity;
@@ -203,8 +203,8 @@ TEST(MinFeature, SameBitsForAnyNumberOfThreads) {
     for (const Kernel kernel : kKernels) {
       for (const bool edits : {false, true}) {
         Options options;
-        options.kernel = kernel, options.edits = edits, options.threads = 1,
-        options.facets_per_cell = 16;
+        options.kernel = kernel, options.tuning.incremental = edits, options.threads = 1,
+        options.tuning.facets_per_cell = 16;
         options.min_feature.area = 1e-3 * mean_area(c.scene);
         SCOPED_TRACE(c.name + ", " + describe_all(options));
         const Shadows one = by_engine(c.scene, options);
@@ -218,7 +218,7 @@ TEST(MinFeature, SameBitsForAnyNumberOfThreads) {
 TEST(MinFeature, TheCallIsTheEngine) {
   for (const Case& c : cases()) {
     Options options;
-    options.edits = false;
+    options.tuning.incremental = false;
     options.min_feature.area = 1e-3 * mean_area(c.scene);
     EXPECT_EQ(check_identical(cast_shadows(c.scene, c.light, options), by_engine(c.scene, options)),
               "")
@@ -266,7 +266,7 @@ TEST(MinFeature, ALightThatBecomesASunIsAnErrorOnce) {
   ASSERT_EQ(mirror.apply(engine.update(), engine), "");
   const LightId id = scene.light_id(0);
   for (int round = 0; round < 2; ++round) {
-    ASSERT_EQ(scene.set_light(id, sun), Edit::done);
+    ASSERT_EQ(scene.set_light(id, sun), Status::ok);
     for (int again = 0; again < 2; ++again) {
       try {
         engine.update();
@@ -278,7 +278,7 @@ TEST(MinFeature, ALightThatBecomesASunIsAnErrorOnce) {
     EXPECT_THROW(engine.compact(), Error);
     EXPECT_THROW(engine.update(std::chrono::nanoseconds(0)), Error);
     EXPECT_EQ(engine.validate(), "");
-    ASSERT_EQ(scene.set_light(id, point), Edit::done);
+    ASSERT_EQ(scene.set_light(id, point), Status::ok);
     ASSERT_EQ(mirror.apply(engine.update(), engine), "");
     EXPECT_EQ(engine.validate(), "");
     Engine full(scene, without), fresh(scene, options);
@@ -298,12 +298,12 @@ Options some_options(std::uint64_t seed) {
   Options o;
   o.kernel = std::array{Kernel::fast, Kernel::fast, Kernel::exact}[random.below(3)];
   o.form = static_cast<Form>(random.below(3));
-  o.order = static_cast<Order>(random.below(3));
-  o.facets_per_cell = cells[random.below(3)];
-  o.join_threshold = std::array{0u, 2u, 1000000u}[random.below(3)];
+  o.tuning.order = static_cast<Order>(random.below(3));
+  o.tuning.facets_per_cell = cells[random.below(3)];
+  o.tuning.join_threshold = std::array{0u, 2u, 1000000u}[random.below(3)];
   o.threads = random.below(4) == 0 ? 2 : 1;
-  o.edits = random.below(8) != 0;
-  o.seed = seed;
+  o.tuning.incremental = random.below(8) != 0;
+  o.tuning.seed = seed;
   return o;
 }
 
@@ -311,15 +311,15 @@ Options some_options(std::uint64_t seed) {
 void replace_suns(Scene& scene) {
   for (std::size_t k = 0; k < scene.lights().size(); ++k) {
     const LightId id = scene.light_id(k);
-    if (id.index == none || scene.lights()[k].kind == Light::Kind::point) continue;
+    if (id.index == invalid_index || scene.lights()[k].kind == Light::Kind::point) continue;
     Eigen::AlignedBox3d box;
     for (const Object& o : scene.objects()) {
       for (const Vec3& v : scene.vertices().subspan(o.first_vertex, o.vertex_count)) box.extend(v);
     }
     const Vec3 middle = box.isEmpty() ? Vec3(Vec3::Zero()) : Vec3(box.center());
     const double size = box.isEmpty() ? 1 : 1 + box.diagonal().norm();
-    const Light lamp = Light::point(middle - 2 * size * scene.lights()[k].at.normalized());
-    ASSERT_EQ(scene.set_light(id, lamp), Edit::done);
+    const Light lamp = Light::point(middle - 2 * size * scene.lights()[k].direction.normalized());
+    ASSERT_EQ(scene.set_light(id, lamp), Status::ok);
   }
 }
 
@@ -342,10 +342,11 @@ class Followers {
     if (merged_) merged_->update();
     std::string what = kept_.validate();
     if (what.empty()) what = mirror_.apply(changes, kept_);
-    if (what.empty() && step_ % 8 == 0) what = mirror_.check_find(kept_, options_.edits ? 1 : 16);
+    if (what.empty() && step_ % 8 == 0)
+      what = mirror_.check_find(kept_, options_.tuning.incremental ? 1 : 16);
     const Scene& scene = kept_.scene();
     for (std::size_t k = 0; k < kept_.light_count() && what.empty(); ++k) {
-      if (scene.light_id(k).index != none) what = check(scene, k);
+      if (scene.light_id(k).index != invalid_index) what = check(scene, k);
     }
     return what;
   }

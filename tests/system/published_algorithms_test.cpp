@@ -9,6 +9,7 @@
 
 #include "check.hpp"
 #include "compare.hpp"
+#include "light_vector.hpp"
 #include "random_scenes.hpp"
 #include "settings.hpp"
 
@@ -103,7 +104,7 @@ SceneData reduced(SceneData data, const std::function<bool(const SceneData&)>& f
 
 std::string as_obj(const SceneData& data) {
   std::string out = text("# light ", data.light.kind == Light::Kind::point ? "point " : "sun ",
-                         data.light.at.transpose(), "\n");
+                         vector_of(data.light).transpose(), "\n");
   std::size_t first = 1;
   for (const auto& [mesh, settings] : data.objects) {
     out +=

@@ -11,11 +11,12 @@ namespace {
 
 // Above a place on the ground, on its way to the light.
 Vec3 raised(const Scene& scene, const Vec3& place) {
-  return place + 0.1 * (scene.lights()[0].at - place);
+  return place + 0.1 * (scene.lights()[0].position - place);
 }
 
 bool on_ground(const Scene& scene, const Pixel& pixel) {
-  return pixel.facet != none && scene.faces()[scene.facets()[pixel.facet].face].object == 0;
+  return pixel.facet != invalid_index &&
+         scene.faces()[scene.facets()[pixel.facet].face].object == 0;
 }
 
 // Within a shadow that is seen on the ground, as far from its edge as there is any.

@@ -179,7 +179,8 @@ TEST(Render, KolicIsWrongWhereTheCameraIsInAVolume) {
 // Objects that do not cast, or do not receive.
 TEST(Render, OnlySomeCastAndReceive) {
   SceneData data = scenes::city(3);
-  for (std::size_t i = 0; i < data.objects.size(); ++i) data.objects[i].second.casts = i % 3 != 1;
+  for (std::size_t i = 0; i < data.objects.size(); ++i)
+    data.objects[i].second.casts_shadows = i % 3 != 1;
   const Scene scene = scenes::build(data);
   const Camera camera = looking({-3, -4, 4}, {1.5, 1.5, 0});
   const RayPicture rays(scene, camera);
@@ -202,7 +203,7 @@ TEST(Render, FragmentsFollowEdits) {
     const Pose pose =
         Eigen::Translation3d(random.in(-0.3, 0.3), random.in(-0.3, 0.3), random.in(0, 0.2)) *
         scene.find(id)->pose;
-    ASSERT_EQ(scene.set_pose(id, pose), Edit::done);
+    ASSERT_EQ(scene.set_pose(id, pose), Status::ok);
     model.scene_changed(scene);
     target.bind();
     render::draw(model.frame(camera, kWidth, kHeight), scene, model, *technique);

@@ -54,7 +54,7 @@ TEST_P(RandomScenes, MatchTheOracle) {
     const SceneData data = random_scene(GetParam(), seed);
     SCOPED_TRACE(data.name);
     Options options;
-    options.facets_per_cell = seed % 3 == 0 ? 4 : seed % 3 == 1 ? 64 : 0;
+    options.tuning.facets_per_cell = seed % 3 == 0 ? 4 : seed % 3 == 1 ? 64 : 0;
     options.form = static_cast<Form>(seed % 3);
     const Scene scene = scenes::build(data);
     scenes::Random random(seed);
@@ -71,9 +71,9 @@ TEST_P(RandomScenes, MatchTheOracleAsOpenSheetsThatCastOrNot) {
     scenes::Random random(seed);
     for (auto& object : data.objects) {
       if (random.below(2) == 0) object.second.sides = Sides::open;
-      object.second.casts = random.below(4) != 0;
-      object.second.receives = random.below(4) != 0;
-      object.second.moves = random.below(4) == 0;
+      object.second.casts_shadows = random.below(4) != 0;
+      object.second.receives_shadows = random.below(4) != 0;
+      object.second.dynamic = random.below(4) == 0;
     }
     expect_right(scenes::build(data), data.light);
     if (HasFailure()) break;

@@ -60,7 +60,7 @@ TEST(Shadows, SquareOverGroundNamesItsCaster) {
   const Shadows shadows = cast_shadows(s.scene, light);
   EXPECT_NEAR(shadows.areas[ground].lit, 60, 1e-9);
   for (const Block& block : shadows.blocks)
-    for (const Fragment& f : block.fragments) EXPECT_EQ(f.caster, f.lit ? none : sheet);
+    for (const Fragment& f : block.fragments) EXPECT_EQ(f.caster, f.lit ? invalid_index : sheet);
   expect_right(s.scene, light);
 }
 
@@ -293,7 +293,7 @@ TEST(Shadows, VertexUlpsOffADividingPlane) {
     for (const std::uint32_t cell : {0u, 2u, 4u}) {
       for (const Order order : {Order::as_given, Order::solid_angle}) {
         Options o;
-        o.facets_per_cell = cell, o.order = order;
+        o.tuning.facets_per_cell = cell, o.tuning.order = order;
         expect_right(s.scene, Light::point({0, 0, 0}), o);
       }
     }
@@ -398,8 +398,8 @@ TEST(Shadows, CastsAndReceives) {
   Stage s;
   const auto ground = s.ground();
   ObjectSettings ghost, mask;
-  ghost.casts = false;
-  mask.receives = false;
+  ghost.casts_shadows = false;
+  mask.receives_shadows = false;
   const auto ghost_face = s.add(rectangle({-2, -1, 1}, {1, 0, 0}, {0, 1, 0}), ghost);
   const auto mask_face = s.add(rectangle({1, -1, 1}, {1, 0, 0}, {0, 1, 0}), mask);
   s.add(rectangle({-2, -1, 2}, {0.5, 0, 0}, {0, 0.5, 0}));

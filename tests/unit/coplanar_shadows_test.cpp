@@ -107,7 +107,7 @@ TEST(CoplanarShadows, NorAfterAThousandMotions) {
   for (unsigned k = 0; k < 1000; ++k) {
     pose = Eigen::Translation3d(0.05 * random.in_cube(-1, 1)) * Pose(random_turn(random)) * pose;
     if (pose.translation().norm() > 1) pose.translation() *= 0.5;
-    ASSERT_EQ(scene.set_pose(scene.object_id(0), pose), Edit::done);
+    ASSERT_EQ(scene.set_pose(scene.object_id(0), pose), Status::ok);
     engine.update();
     ASSERT_EQ(engine.shadows(0).stats.crossing_lines, 0u) << "motion " << k;
     if (k % 50 != 49) continue;

@@ -287,12 +287,12 @@ TEST(Coplanar, MotionsChangeNothing) {
     Pose pose = Pose::Identity();
     for (unsigned k = 0; k < 1000; ++k) {
       pose = Eigen::Translation3d(random.in_cube(-1, 1)) * Pose(random_turn(random)) * pose;
-      ASSERT_EQ(scene.set_pose(scene.object_id(0), pose), Edit::done);
+      ASSERT_EQ(scene.set_pose(scene.object_id(0), pose), Status::ok);
       ASSERT_EQ(plane_indices(scene), before) << "motion " << k;
       if (k % 50 == 0) expect_flat(scene);
       for (const Plane& p : scene.planes()) ASSERT_LT(p.flatness, 2e-12) << "motion " << k;
     }
-    ASSERT_EQ(scene.set_pose(scene.object_id(0), Pose::Identity()), Edit::done);
+    ASSERT_EQ(scene.set_pose(scene.object_id(0), Pose::Identity()), Status::ok);
     const Scene fresh = scene_of(mesh);
     EXPECT_EQ(plane_indices(fresh), before);
     EXPECT_EQ(scene.objects()[0].aligned, aligned);
@@ -307,7 +307,7 @@ TEST(Coplanar, FrontAndBackStayOnePlane) {
   append(mesh, rectangle({0.1, 0.2, 0}, {0, 0.7, 0}, {0.3, 0, 0}));
   Scene scene = scene_of(turned(mesh, random_turn(random), {1, 2, 3}));
   for (unsigned k = 0; k < 100; ++k) {
-    ASSERT_EQ(scene.set_pose(scene.object_id(0), Pose(random_turn(random))), Edit::done);
+    ASSERT_EQ(scene.set_pose(scene.object_id(0), Pose(random_turn(random))), Status::ok);
     ASSERT_EQ(scene.planes().size(), 2u);
     ASSERT_TRUE(one_plane(scene.planes()[0], scene.planes()[1])) << "motion " << k;
     expect_flat(scene);
@@ -323,12 +323,12 @@ TEST(Coplanar, DeformingDecidesAgain) {
   Mesh bent = flat;
   // the first brick's
   for (std::size_t i = 0; i < 4; ++i) bent.vertices[i] += 1e-6 * plane_of(scene, 0).normal;
-  ASSERT_EQ(scene.set_vertices(id, bent.vertices), Edit::done);
+  ASSERT_EQ(scene.set_vertices(id, bent.vertices), Status::ok);
   EXPECT_EQ(count_planes(scene), 2u);
   Pose pose = Pose(random_turn(random));
-  ASSERT_EQ(scene.set_pose(id, pose), Edit::done);
+  ASSERT_EQ(scene.set_pose(id, pose), Status::ok);
   EXPECT_EQ(count_planes(scene), 2u);
-  ASSERT_EQ(scene.set_vertices(id, flat.vertices), Edit::done);
+  ASSERT_EQ(scene.set_vertices(id, flat.vertices), Status::ok);
   EXPECT_EQ(count_planes(scene), 1u);
 }
 

@@ -19,7 +19,7 @@ Scene shaded(double x) {
   Scene scene;
   scene.add(scenes::rectangle({0, 0, 0}, {10, 0, 0}, {0, 10, 0}), {.name = "floor"});
   scene.add(scenes::rectangle({x, 4, 1}, {2, 0, 0}, {0, 2, 0}),
-            {.name = "shade", .receives = false});
+            {.name = "shade", .receives_shadows = false});
   return scene;
 }
 
@@ -30,13 +30,13 @@ TEST(Compare, SameRegionsInOtherFragments) {
        {scenes::room(2), scenes::city(8), scenes::triangles(200), scenes::branch(2)}) {
     const Scene scene = scenes::build(data);
     Options other;
-    other.order = Order::random;
+    other.tuning.order = Order::random;
     other.form = Form::pieces;
-    other.facets_per_cell = 8;
+    other.tuning.facets_per_cell = 8;
     const Difference d = greatest_difference(scene, cast_shadows(scene, data.light),
                                              cast_shadows(scene, data.light, other));
     EXPECT_LT(d.share, 1e-11) << data.name;
-    EXPECT_NE(d.face, none);
+    EXPECT_NE(d.face, invalid_index);
   }
 }
 

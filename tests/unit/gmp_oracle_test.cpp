@@ -284,7 +284,7 @@ Fragment& some_fragment(Block& block, Random& random) {
 std::optional<std::size_t> some_cut_corner(const Block& block, Random& random) {
   for (int k = 0; k < 100; ++k) {
     const std::size_t i = random.below(block.corners.size());
-    if (block.constructions[i].vertex == none) return i;
+    if (block.constructions[i].vertex == invalid_index) return i;
   }
   return {};
 }
@@ -331,7 +331,7 @@ const Mistake kMistakes[] = {
        Block& b = s.blocks[0];
        const Fragment& f = some_fragment(b, random);
        for (std::uint32_t k = f.first_corner; k < f.first_corner + f.corner_count; ++k) {
-         if (b.constructions[k].vertex == none) continue;
+         if (b.constructions[k].vertex == invalid_index) continue;
          b.corners[k].x() = std::nextafter(b.corners[k].x(), 0.0) == b.corners[k].x()
                                 ? 1e-300
                                 : std::nextafter(b.corners[k].x(), 0.0);
@@ -345,7 +345,7 @@ const Mistake kMistakes[] = {
        const Fragment& f = some_fragment(b, random);
        Construction& c = b.constructions[f.first_corner + random.below(f.corner_count)];
        const auto i = some_cut_corner(b, random);
-       if (!i || c.vertex != none) return false;
+       if (!i || c.vertex != invalid_index) return false;
        const auto before = ray_of(oracle, f.facet, c);
        c.in = b.constructions[*i].in;
        return ray_of(oracle, f.facet, c) != before;

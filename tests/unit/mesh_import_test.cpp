@@ -212,8 +212,8 @@ TEST(MeshImport, SeveralIssuesAreAllListed) {
   for (std::uint32_t k = 0; k < 6; ++k) {
     EXPECT_EQ(scene.issues()[k].object, k / 3);
     EXPECT_EQ(scene.issues()[k].face, 1 + k % 3);
-    EXPECT_TRUE(refuses(scene.issues()[k].reason));
-    EXPECT_GT(std::string(describe(scene.issues()[k].reason)).size(), 3u);
+    EXPECT_TRUE(scene.issues()[k].is_refusal());
+    EXPECT_GT(std::string(scene.issues()[k].text()).size(), 3u);
   }
 }
 
@@ -227,11 +227,11 @@ TEST(MeshImport, RefusedFacesStayShadowless) {
 }
 
 TEST(MeshImport, OnlyFlatAndRepeatedAreRepairs) {
-  EXPECT_FALSE(refuses(Reason::not_flat));
-  EXPECT_FALSE(refuses(Reason::repeated_corner));
+  EXPECT_FALSE(is_refusal(Reason::not_flat));
+  EXPECT_FALSE(is_refusal(Reason::repeated_corner));
   for (const Reason r : {Reason::non_finite, Reason::index_out_of_range, Reason::too_few_corners,
                          Reason::zero_area, Reason::self_intersecting, Reason::duplicate})
-    EXPECT_TRUE(refuses(r));
+    EXPECT_TRUE(is_refusal(r));
 }
 
 }  // namespace

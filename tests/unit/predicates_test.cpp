@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "light_vector.hpp"
 #include "predicates/exact_predicates.hpp"
 #include "scenes.hpp"
 #include "settings.hpp"
@@ -18,6 +19,7 @@ namespace {
 using Number = mpq_class;
 using Triple = std::array<Number, 3>;
 using scenes::Random;
+using testing::vector_of;
 
 Triple triple(const Vec3& v) { return {Number(v[0]), Number(v[1]), Number(v[2])}; }
 Triple minus(const Triple& a, const Triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -48,13 +50,13 @@ struct Case {
     for (int i = 0; i < 4; ++i) points.push_back(any());
     points.push_back(0.5 * (points[0] + points[1]));
     points.push_back(0.25 * points[2] + 0.75 * (light.kind == Light::Kind::point
-                                                    ? light.at
-                                                    : Vec3(points[2] + light.at)));
+                                                    ? light.position
+                                                    : Vec3(points[2] + light.direction)));
     for (Vec3& p : points) {
       if (random.below(2) == 0) p = p.unaryExpr([&](double x) { return nudged(random, x); });
       p *= scale;
     }
-    light.at *= scale;
+    vector_of(light) *= scale;
   }
 
   LightSpace space() const {
@@ -68,13 +70,13 @@ struct Case {
     return out;
   }
   // From the light to x: any point of the ray for a directional one.
-  Triple from_light(const Vec3& x) const { return minus(triple(x), triple(light.at)); }
+  Triple from_light(const Vec3& x) const { return minus(triple(x), triple(vector_of(light))); }
   // What light, a, b and x span.
   int volume(const Vec3& a, const Vec3& b, const Vec3& x) const {
     if (light.kind == Light::Kind::point)
       return sgn(dot(cross(from_light(a), from_light(b)), from_light(x)));
-    return sgn(
-        dot(triple(light.at), cross(minus(triple(b), triple(a)), minus(triple(x), triple(a)))));
+    return sgn(dot(triple(light.direction),
+                   cross(minus(triple(b), triple(a)), minus(triple(x), triple(a)))));
   }
   // The sign with which the light space's frame shows it.
   int handed() const {
@@ -107,7 +109,7 @@ void for_cases(double scale, const Body& body) {
     SCOPED_TRACE("seed " + std::to_string(seed) + ", scale " + std::to_string(scale));
     Random random(seed);
     const Case c(random, scale);
-    if (!c.light.at.isZero() || c.light.kind == Light::Kind::point) body(c, random);
+    if (c.light.kind == Light::Kind::point || !c.light.direction.isZero()) body(c, random);
   }
 }
 
@@ -173,17 +175,18 @@ TEST(Predicates, Law5PowersOfTwoAndExactMovesChangeNothing) {
     Case larger = c, moved = c;
     const double factor = std::ldexp(1.0, static_cast<int>(random.below(200)) - 100);
     for (Vec3& p : larger.points) p *= factor;
-    larger.light.at *= factor;
+    vector_of(larger.light) *= factor;
     for (std::size_t i = 0; i < c.points.size(); ++i) {
       if (larger.points[i] / factor != c.points[i]) return;  // a subnormal number lost digits
     }
     const Vec3 by(4, -8, 16);
-    bool is_exact = c.light.kind == Light::Kind::point && Vec3(c.light.at + by - by) == c.light.at;
+    bool is_exact =
+        c.light.kind == Light::Kind::point && Vec3(c.light.position + by - by) == c.light.position;
     for (Vec3& p : moved.points) {
       is_exact = is_exact && Vec3(p + by - by) == p;
       p += by;
     }
-    moved.light.at += by;
+    vector_of(moved.light) += by;
     const LightLine l = edge(c.points[0], c.points[1]);
     for (std::size_t i = 0; i < c.points.size(); ++i) {
       const int sign = exact.side(l, at(c.points[i]));
@@ -215,7 +218,7 @@ void check_point(const Case& c) {
   const Number s = dot(n, c.from_light(p.point)) / along;
   const Vec3 x = exact.point(p, {nullptr, false, &l, &m, false, false});
   for (std::size_t i = 0; i < 3; ++i) {
-    const Number is = Number(c.light.at[static_cast<Eigen::Index>(i)]) + r[i] * s;
+    const Number is = Number(vector_of(c.light)[static_cast<Eigen::Index>(i)]) + r[i] * s;
     const double got = x[static_cast<Eigen::Index>(i)];
     const Number largest(std::numeric_limits<double>::max());
     if (abs(is) >= largest) {

@@ -31,7 +31,7 @@ Shadows cast(const Scene& scene, Kernel kernel) {
   Options options;
   options.kernel = kernel;
   options.threads = 1;
-  options.edits = false;
+  options.tuning.incremental = false;
   return cast_shadows(scene, scene.lights()[0], options);
 }
 
@@ -69,8 +69,8 @@ struct Editor {
   Editor(const SceneData& data, std::uint64_t seed, double g)
       : given(data.objects), random(seed * 77 + 5), grid(g) {
     for (auto& [mesh, settings] : given) {
-      if (random.below(12) == 0) settings.casts = false;
-      if (random.below(12) == 0) settings.receives = false;
+      if (random.below(12) == 0) settings.casts_shadows = false;
+      if (random.below(12) == 0) settings.receives_shadows = false;
       ids.push_back(scene.add(mesh, settings));
       present.push_back(true);
     }
@@ -96,11 +96,11 @@ struct Editor {
     }
     tree.remove(object);
     if (random.below(4) == 0) {
-      EXPECT_EQ(scene.remove(ids[k]), Edit::done);
+      EXPECT_EQ(scene.remove(ids[k]), Status::ok);
       present[k] = false;
       return text("object ", k, " goes");
     }
-    EXPECT_EQ(scene.set_pose(ids[k], some_pose(k)), Edit::done);
+    EXPECT_EQ(scene.set_pose(ids[k], some_pose(k)), Status::ok);
     tree.insert(object);
     return text("object ", k, " moves");
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <shadowcut/shadows.hpp>
 
 #include "import_checks.hpp"
 #include "random_scenes.hpp"
@@ -191,6 +192,22 @@ TEST(Lights, BadOnesAreRefused) {
   EXPECT_TRUE(scene.lights().empty());
 }
 
+TEST(Lights, DirectionalOnesHaveNoRangeAndNoSpot) {
+  Scene scene;
+  Light ranged = Light::directional({0, 0, -1}), spot = ranged;
+  ranged.range = 5;
+  EXPECT_THROW(scene.add(ranged), Error);
+  EXPECT_THROW(cast_shadows(scene, ranged), Error);
+  spot.spot = Light::Spot{{0, 0, -1}, 1};
+  try {
+    spot.check("the lamp");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "the lamp: a directional light has no spot");
+  }
+  EXPECT_TRUE(scene.lights().empty());
+}
+
 TEST(Lights, GoodOnesAreKept) {
   Scene scene;
   Light light = Light::point({1, 2, 3});
@@ -241,22 +258,22 @@ TEST(Given, MakesTheObjectAgain) {
   const ObjectId id = scene.object_id(1);
   Pose pose = Pose::Identity();
   pose.translate(Vec3(0.1, 0.2, 0.3));
-  ASSERT_EQ(scene.set_pose(id, pose), Edit::done);
+  ASSERT_EQ(scene.set_pose(id, pose), Status::ok);
   std::vector<Vec3> deformed = scenes::box({0, 0, 0}, {1, 2, 3.7}).vertices;
-  ASSERT_EQ(scene.set_vertices(id, deformed), Edit::done);
-  ASSERT_EQ(scene.set_casts(id, false), Edit::done);
+  ASSERT_EQ(scene.set_vertices(id, deformed), Status::ok);
+  ASSERT_EQ(scene.set_casts_shadows(id, false), Status::ok);
   const Object before = *scene.find(id);
   const std::vector<Vec3> vertices(
       scene.vertices().begin() + before.first_vertex,
       scene.vertices().begin() + before.first_vertex + before.vertex_count);
-  const auto given = scene.given(id);
+  const auto given = scene.source(id);
   ASSERT_TRUE(given);
   EXPECT_EQ(given->second.sides, Sides::automatic);  // as asked for, not as decided
-  ASSERT_EQ(scene.remove(id), Edit::done);
-  EXPECT_FALSE(scene.given(id));
+  ASSERT_EQ(scene.remove(id), Status::ok);
+  EXPECT_FALSE(scene.source(id));
   const Object& after = *scene.find(scene.add(given->first, given->second));
   EXPECT_EQ(after.name, before.name);
-  EXPECT_EQ(after.casts, false);
+  EXPECT_EQ(after.casts_shadows, false);
   EXPECT_EQ(after.sides, Sides::closed);
   EXPECT_TRUE(
       std::equal(vertices.begin(), vertices.end(), scene.vertices().begin() + after.first_vertex));

@@ -119,7 +119,7 @@ TEST_P(Svbsp, CrossingFacesAreCutAlongTheirCrossingLine) {
 // A face that receives and does not cast rests at the leaf that it reaches.
 TEST_P(Svbsp, AFaceThatDoesNotCastRestsAtALeaf) {
   ObjectSettings receives_only;
-  receives_only.casts = false;
+  receives_only.casts_shadows = false;
   stage.add_rectangle(0, -2, -2, 0, 2);
   stage.add_rectangle(1, 0.5, -1, 1, 1, receives_only);
   build();

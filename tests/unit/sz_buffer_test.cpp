@@ -65,7 +65,7 @@ class Company {
       if (m.moves && m.present) move(m);
       if (random_.below(400) == 0) come_or_go(m);
       if (m.present && random_.below(400) == 0) {
-        EXPECT_EQ(scene.set_casts(m.id, !scene.find(m.id)->casts), Edit::done);
+        EXPECT_EQ(scene.set_casts_shadows(m.id, !scene.find(m.id)->casts_shadows), Status::ok);
       }
     }
   }
@@ -85,12 +85,12 @@ class Company {
     m.pose.rotate(Eigen::AngleAxisd(random_.in(-0.3, 0.3), Vec3::UnitZ()));
     m.pose.translation() =
         m.pose.translation().cwiseMax(Vec3(-4.5, -4.5, -0.5)).cwiseMin(Vec3(4.5, 4.5, 3));
-    EXPECT_EQ(scene.set_pose(m.id, m.pose), Edit::done);
+    EXPECT_EQ(scene.set_pose(m.id, m.pose), Status::ok);
   }
 
   void come_or_go(Member& m) {
     if (m.present) {
-      EXPECT_EQ(scene.remove(m.id), Edit::done);
+      EXPECT_EQ(scene.remove(m.id), Status::ok);
     } else {
       m.id = scene.add(m.mesh, {.name = "thing", .pose = m.pose});
     }
@@ -178,17 +178,17 @@ TEST(SzBuffer, IsMadeAgainWhenItsLightMovesOrTheSceneOutgrowsIt) {
   EXPECT_FALSE(kept.views(0).extent(0, 5).empty());
   Pose away = Pose::Identity();
   away.translate(Vec3(60, 0, 5));
-  ASSERT_EQ(company.scene.set_pose(company.scene.object_id(5), away), Edit::done);
+  ASSERT_EQ(company.scene.set_pose(company.scene.object_id(5), away), Status::ok);
   compare("outgrown");
   EXPECT_TRUE(kept.views(0).afresh());
   EXPECT_FALSE(kept.views(0).extent(0, 5).empty());
   ASSERT_EQ(
       company.scene.set_light(company.scene.light_id(0), Light::directional(Vec3(0.2, -0.3, -1))),
-      Edit::done);
+      Status::ok);
   compare("light moved");
   EXPECT_TRUE(kept.views(0).afresh());
   ASSERT_EQ(company.scene.set_light(company.scene.light_id(0), Light::point(Vec3(0.2, -0.3, 4))),
-            Edit::done);
+            Status::ok);
   compare("another kind of light");
   EXPECT_EQ(kept.views(0).size(), 6u);
   compare("nothing happens");
@@ -233,10 +233,10 @@ class Rays {
                               1);
     const Vec3 seen = (frame.clip.inverse() * ndc).hnormalized(), eye = frame.camera.eye;
     const auto [at, facet] = nearest(eye, seen - eye);
-    if (facet == none) return ' ';
+    if (facet == invalid_index) return ' ';
     const Plane& plane = scene_.planes()[scene_.facets()[facet].plane];
-    const Vec3 to_light =
-        light_.kind == Light::Kind::point ? Vec3(light_.at - plane.point) : Vec3(-light_.at);
+    const Vec3 to_light = light_.kind == Light::Kind::point ? Vec3(light_.position - plane.point)
+                                                            : Vec3(-light_.direction);
     if (plane.normal.dot(to_light) * plane.normal.dot(eye - plane.point) < 0) return 's';
     char all = 0;
     for (int i = -2; i <= 2; ++i)
@@ -267,7 +267,7 @@ class Rays {
   }
 
   std::pair<double, std::uint32_t> nearest(const Vec3& from, const Vec3& along) const {
-    std::pair<double, std::uint32_t> best{std::numeric_limits<double>::infinity(), none};
+    std::pair<double, std::uint32_t> best{std::numeric_limits<double>::infinity(), invalid_index};
     for (std::uint32_t f = 0; f < scene_.facets().size(); ++f)
       if (const double at = scene_.facets()[f].corner_count == 0 ? -1 : meet(f, from, along);
           at > 0 && at < best.first)
@@ -277,15 +277,16 @@ class Rays {
 
   // The ray from the light that passes x by so many texels to the right and up.
   char state_of(std::uint32_t facet, const Vec3& x, double right, double up) const {
-    Vec3 from = light_.at, along = x - light_.at;
+    Vec3 from = light_.position, along = x - light_.position;
     if (light_.kind == Light::Kind::point) {
       int axis = 0;
       const double distance = along.cwiseAbs().maxCoeff(&axis);
       along[(axis + 1) % 3] += right * texel_ * distance;
       along[(axis + 2) % 3] += up * texel_ * distance;
     } else {
-      const Vec3 u = light_.at.normalized().unitOrthogonal(), v = u.cross(light_.at.normalized());
-      along = 100 * light_.at.normalized();
+      const Vec3 u = light_.direction.normalized().unitOrthogonal(),
+                 v = u.cross(light_.direction.normalized());
+      along = 100 * light_.direction.normalized();
       from = x + texel_ * (right * u + up * v) - along;
     }
     const double at = meet(facet, from, along);

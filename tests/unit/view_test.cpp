@@ -40,7 +40,7 @@ std::uint32_t index_of(const Scene& scene, const std::string& name) {
   for (std::uint32_t k = 0; k < scene.objects().size(); ++k)
     if (scene.objects()[k].name == name) return k;
   ADD_FAILURE() << name;
-  return none;
+  return invalid_index;
 }
 
 // Moeller and Trumbore's test of a ray against a triangle: another way than pick_facet's.
@@ -120,11 +120,11 @@ TEST(Walking, StartsInsideOfARoomAndOutsideOfWhatIsNone) {
               tower = scenes::build(scenes::tetrahedron(2));
   EXPECT_TRUE(is_room(room));
   EXPECT_TRUE(box_of(room).contains(first_camera(room).eye));
-  EXPECT_TRUE(box_of(room).contains(light_for(room).at));
+  EXPECT_TRUE(box_of(room).contains(light_for(room).position));
   EXPECT_FALSE(is_room(tower));
   EXPECT_FALSE(box_of(tower).contains(first_camera(tower).eye));
-  EXPECT_FALSE(box_of(tower).contains(light_for(tower).at));
-  EXPECT_NEAR(light_for(tower).at.x(), box_of(tower).center().x(), 1e-12);
+  EXPECT_FALSE(box_of(tower).contains(light_for(tower).position));
+  EXPECT_NEAR(light_for(tower).position.x(), box_of(tower).center().x(), 1e-12);
 }
 
 TEST(Picking, ARayGoesThroughThePixelThatItsPointsAreDrawnAt) {
@@ -177,13 +177,13 @@ TEST(Picking, LightsComeFirstAndWithinTheirMarkers) {
   const LightId sun = scene.add(Light::directional({0.2, 0.3, -1}));
   const Eigen::AlignedBox3d box = box_of(scene);
   const Light lamp = scene.lights()[0];
-  const Screen screen = screen_of(camera({0.5, 1.5, 1}, lamp.at + Vec3(0, 0.1, -0.2)));
-  const Eigen::Vector2d marker = *screen.pixel(lamp.at);
+  const Screen screen = screen_of(camera({0.5, 1.5, 1}, lamp.position + Vec3(0, 0.1, -0.2)));
+  const Eigen::Vector2d marker = *screen.pixel(lamp.position);
   const auto on = pick(scene, screen, marker + Eigen::Vector2d(5, 6), 9, box);
   ASSERT_TRUE(on);
   EXPECT_TRUE(on->is_light);
   EXPECT_EQ(on->index, 0u);
-  EXPECT_EQ(on->at, lamp.at);
+  EXPECT_EQ(on->at, lamp.position);
   const auto beside = pick(scene, screen, marker + Eigen::Vector2d(8, 8), 9, box);
   ASSERT_TRUE(beside);
   EXPECT_FALSE(beside->is_light);
@@ -194,7 +194,7 @@ TEST(Picking, LightsComeFirstAndWithinTheirMarkers) {
   expect_near(marker_of(turned, box) - box.center(),
               0.75 * box.diagonal().norm() * (above + Vec3(1, 0, 0) - box.center()).normalized(),
               1e-9);
-  EXPECT_EQ(scene.remove(sun), Edit::done);
+  EXPECT_EQ(scene.remove(sun), Status::ok);
   EXPECT_TRUE(pick(scene, screen, marker, 9, box)->is_light)
       << "a light that is gone is not picked";
 }
@@ -279,7 +279,7 @@ TEST(Arranging, EverythingGoesBack) {
       const auto object = static_cast<std::uint32_t>(random.below(scene.objects().size()));
       const auto light = static_cast<std::uint32_t>(random.below(scene.lights().size()));
       const bool has_object = scene.objects()[object].alive,
-                 has_light = scene.light_id(light).index != none;
+                 has_light = scene.light_id(light).index != invalid_index;
       switch (random.below(5)) {
         case 0:
           if (has_object)
@@ -314,9 +314,11 @@ TEST(Arranging, EverythingGoesBack) {
             << object.name << " seed " << seed;
     }
     for (const Light& light : first.lights()) {
-      EXPECT_TRUE(
-          std::any_of(scene.lights().begin(), scene.lights().end(),
-                      [&](const Light& l) { return l.at == light.at && l.kind == light.kind; }))
+      EXPECT_TRUE(std::any_of(scene.lights().begin(), scene.lights().end(),
+                              [&](const Light& l) {
+                                return l.kind == light.kind && l.position == light.position &&
+                                       l.direction == light.direction;
+                              }))
           << "seed " << seed;
     }
   }

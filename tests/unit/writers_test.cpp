@@ -36,8 +36,8 @@ struct Holes : ::testing::Test {
     Light third = Light::directional({0.3, 0.4, -1});
     scene.add(third);
     for (const char* name : {"bookcase.1", "book.1", "poster"})
-      EXPECT_EQ(scene.remove(object_named(scene, name)), Edit::done) << name;
-    EXPECT_EQ(scene.remove(first), Edit::done);
+      EXPECT_EQ(scene.remove(object_named(scene, name)), Status::ok) << name;
+    EXPECT_EQ(scene.remove(first), Status::ok);
   }
   ~Holes() override { fs::remove_all(folder); }
 
@@ -69,7 +69,7 @@ TEST_F(Holes, EveryFormatLeavesOutWhatIsGone) {
 }
 
 TEST_F(Holes, OneLightLeftIsThePlainCase) {
-  ASSERT_EQ(scene.remove(scene.light_id(2)), Edit::done);
+  ASSERT_EQ(scene.remove(scene.light_id(2)), Status::ok);
   const std::string all = written("b.gltf");
   EXPECT_NE(all.find("\"lit\""), std::string::npos);
   EXPECT_EQ(all.find("lit by"), std::string::npos);
@@ -77,7 +77,7 @@ TEST_F(Holes, OneLightLeftIsThePlainCase) {
 }
 
 TEST_F(Holes, NoLightLeftIsAnError) {
-  for (std::size_t k = 1; k < 3; ++k) ASSERT_EQ(scene.remove(scene.light_id(k)), Edit::done);
+  for (std::size_t k = 1; k < 3; ++k) ASSERT_EQ(scene.remove(scene.light_id(k)), Status::ok);
   EXPECT_THROW(written("c.obj"), Error);
   EXPECT_FALSE(fs::exists(path("c.obj")));
 }
@@ -90,7 +90,7 @@ TEST_F(Holes, TheCameraSeesByTheLightsThatAreLeft) {
   const std::string with_hole = written("d.svg", view);
   Scene tight = scenes::build(scenes::room(1));
   for (const char* name : {"bookcase.1", "book.1", "poster"})
-    ASSERT_EQ(tight.remove(object_named(tight, name)), Edit::done);
+    ASSERT_EQ(tight.remove(object_named(tight, name)), Status::ok);
   const std::vector<Light> left(scene.lights().begin() + 1, scene.lights().end());
   tight.replace_lights(left);
   scene = tight;
@@ -102,7 +102,8 @@ TEST_F(Holes, AFaceThatIsNoObjectsCannotBeDrawn) {
   view.kind = io::View::Kind::face;
   const auto faces = scene.faces();
   view.face = static_cast<std::uint32_t>(
-      std::find_if(faces.begin(), faces.end(), [](const Face& f) { return f.object == none; }) -
+      std::find_if(faces.begin(), faces.end(),
+                   [](const Face& f) { return f.object == invalid_index; }) -
       faces.begin());
   ASSERT_LT(view.face, faces.size());
   EXPECT_THROW(written("e.svg", view), Error);
@@ -122,9 +123,9 @@ TEST_F(Holes, AreasHaveARowForEachFaceAndLightThatIsThere) {
     EXPECT_EQ(row.find("bookcase"), std::string::npos) << row;
   }
   const auto faces = scene.faces();
-  EXPECT_EQ(count,
-            2 * static_cast<std::size_t>(std::count_if(
-                    faces.begin(), faces.end(), [](const Face& f) { return f.object != none; })));
+  EXPECT_EQ(count, 2 * static_cast<std::size_t>(
+                           std::count_if(faces.begin(), faces.end(),
+                                         [](const Face& f) { return f.object != invalid_index; })));
 }
 
 }  // namespace

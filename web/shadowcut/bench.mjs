@@ -42,7 +42,7 @@ function sceneOf(obj) {
     scene.add({ positions, faces });
     base += positions.length / 3;
   }
-  return { scene, light: { at } };
+  return { scene, light: { position: at } };
 }
 
 function here({ scene, light }, best) {

@@ -32,7 +32,7 @@ const figures = (values) => {
 for (const [name, lamps] of [['one lamp', [[5.3613, 3.7171, 2.43]]]]) {
   const scene = room(lamps);
   const desk = scene.getObjectByName('desk.4');
-  const shadows = new SceneShadows(shadowcut, scene, { moves: (mesh) => mesh === desk });
+  const shadows = new SceneShadows(shadowcut, scene, { dynamic: (mesh) => mesh === desk });
   const first = shadows.update();
   console.log(
     `${name}: first update ${first.ms.toFixed(1)} ms (engine ${first.engineMs.toFixed(1)}), ${shadows.mesh.geometry.attributes.position.count} vertices, ${first.added} fragments`,

@@ -193,8 +193,8 @@ struct PlaneDifference {
     const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     return {{d[0] / length, d[1] / length, d[2] / length},
             std::nextafter(static_cast<float>(error / length + 2 * unit_roundoff), INFINITY),
-            none,
-            none};
+            invalid_index,
+            invalid_index};
   }
 };
 

@@ -65,8 +65,8 @@ class CrossingCorners {
     SHADOWCUT_ASSERT(change.corner < cone_.count);
     if (change.on) return corner;
     const Line& edge = predicates_.line(corner.edge.line());
-    corner.vertex = none;
-    if (const std::uint32_t shared = shared_vertex(edge, known_); shared != none) {
+    corner.vertex = invalid_index;
+    if (const std::uint32_t shared = shared_vertex(edge, known_); shared != invalid_index) {
       at_shared_vertex(shared, change, corner);
       return corner;
     }

@@ -44,7 +44,7 @@ void CellStatistics::add(const Sums& n, bool more) {
   add(s.predicates, n.predicates), add(s.on, n.on), add(s.marked_nodes, n.marked);
   add(s.by_identity, n.by_identity), add(s.by_exact, n.by_exact);
   s.by_filter = s.predicates - s.by_identity - s.by_exact;
-  add(s.joined, n.joined), add(s.deferred, n.deferred), add(s.cells_built_again, n.rebuilds);
+  add(s.joined, n.joined), add(s.deferred, n.deferred), add(s.cells_rebuilt, n.rebuilds);
   add(s.bytes, n.bytes);
   SHADOWCUT_ASSERT(s.nodes == s.sp_nodes + s.pp_nodes &&
                    s.predicates >= s.by_identity + s.by_exact);

@@ -5,16 +5,25 @@
 #include <shadowcut/shadows.hpp>
 
 #include "engine/light_state.hpp"
+#include "fragments/point_query.hpp"
+#include "scene/scene_access.hpp"
 #include "support/clock.hpp"
 #include "support/parallel.hpp"
 
 namespace shadowcut {
 namespace {
 
-void check(const Options& options, const Light& light) {
+void check(const Options& options) {
   const MinFeature& least = options.min_feature;
   if (!(least.area >= 0) || !(least.solid_angle >= 0))
     throw Error("the smallest feature must not be negative");
+  if (options.constructions &&
+      (options.kernel != Kernel::exact || options.form == Form::conforming))
+    throw Error("constructions need the exact kernel and the form pieces or merged");
+}
+
+void check(const Options& options, const Light& light) {
+  const MinFeature& least = options.min_feature;
   if (least.solid_angle > 0 && light.kind == Light::Kind::directional)
     throw Error(
         "a directional light sees nothing under a solid angle: give the smallest feature as an "
@@ -24,10 +33,11 @@ void check(const Options& options, const Light& light) {
 }  // namespace
 
 Shadows cast_shadows(const Scene& scene, const Light& light, const Options& options) {
-  check(light, "light");
+  check(options);
+  light.check("light");
   check(options, light);
   Options once = options;
-  once.edits = false;
+  once.tuning.incremental = false;
   Shadows out;
   Threads(options.threads).run([&] { out = LightState(scene, light, once).take_shadows(); });
   return out;
@@ -41,6 +51,7 @@ struct Engine::Impl {
 
   Impl(const Scene& followed, Options o)
       : wanted(followed), options(std::move(o)), threads(options.threads) {
+    check(options);
     if (!options.progress) return;
     options.progress = [this, report = options.progress](double share) {
       report((lights_done + share) / lights_to_do);
@@ -71,7 +82,7 @@ struct Engine::Impl {
   // Before anything is touched.
   void check_lights() const {
     for (std::size_t k = 0; k < wanted.lights().size(); ++k) {
-      if (wanted.light_id(k).index != none) check(options, wanted.lights()[k]);
+      if (wanted.light_id(k).index != invalid_index) check(options, wanted.lights()[k]);
     }
   }
 
@@ -89,9 +100,9 @@ struct Engine::Impl {
   // Rebuilds a light's state, adds it, or removes it.
   void rebuild(std::size_t light) {
     Tracked& t = lights[light];
-    t.revision = wanted.light_revision(light);
+    t.revision = SceneAccess::light_revision(wanted, light);
     ++changes.applied;
-    const bool alive = wanted.light_id(light).index != none;
+    const bool alive = wanted.light_id(light).index != invalid_index;
     if (alive && t.state) {
       t.state->rebuild(wanted.lights()[light]);
     } else if (alive) {
@@ -117,7 +128,7 @@ struct Engine::Impl {
   // Everything of the scene at once.
   void take_all() {
     applied = wanted;
-    seen = wanted.revision();
+    seen = SceneAccess::revision(wanted);
     changes.applied += static_cast<std::uint32_t>(wanted.objects().size());
     lights.resize(wanted.lights().size());
     rebuild_all();
@@ -148,14 +159,14 @@ struct Engine::Impl {
     return run([&](Clock::time_point begin) {
       if (!built) {
         take_all();
-      } else if (wanted.revision() != seen) {
+      } else if (SceneAccess::revision(wanted) != seen) {
         advance(begin + budget, limited);
       }
     });
   }
 
   // All faces, or those chosen.
-  LightSets combined(const std::vector<bool>* faces) {
+  LightPartition overlay(const std::vector<bool>* faces) {
     require_whole();
     std::vector<LightView> views;
     views.reserve(lights.size());
@@ -164,8 +175,8 @@ struct Engine::Impl {
       if (t.state) views.push_back(t.state->view());
       all.push_back(t.state ? &views.back() : nullptr);
     }
-    LightSets out;
-    threads.run([&] { out = overlay(all, faces); });
+    LightPartition out;
+    threads.run([&] { out = shadowcut::overlay(all, faces); });
     return out;
   }
 
@@ -190,18 +201,18 @@ struct Engine::Impl {
   }
 
   bool is_pending(std::uint32_t object) const {
-    return object >= applied.objects().size() ||
-           applied.object_revision(object) != wanted.object_revision(object);
+    return object >= applied.objects().size() || SceneAccess::object_revision(applied, object) !=
+                                                     SceneAccess::object_revision(wanted, object);
   }
   bool is_stale(std::size_t light) const {
-    return lights[light].revision != wanted.light_revision(light);
+    return lights[light].revision != SceneAccess::light_revision(wanted, light);
   }
 
   void advance(Clock::time_point deadline, bool limited) {
     lights.resize(wanted.lights().size());
-    std::vector<std::uint32_t> pending = wanted.changed_since(seen);
+    std::vector<std::uint32_t> pending = SceneAccess::changed_since(wanted, seen);
     std::erase_if(pending, [this](std::uint32_t o) { return !is_pending(o); });
-    if (!limited && (!options.edits || is_most_of_it(pending))) {
+    if (!limited && (!options.tuning.incremental || is_most_of_it(pending))) {
       take_all();
       return;
     }
@@ -210,7 +221,7 @@ struct Engine::Impl {
     } else {
       apply(pending, true);
       rebuild_stale({}, false);
-      seen = wanted.revision();
+      seen = SceneAccess::revision(wanted);
     }
   }
 
@@ -228,7 +239,7 @@ struct Engine::Impl {
   bool rebuild_stale(Clock::time_point deadline, bool limited) {
     for (std::size_t k = 0; k < lights.size(); ++k) {
       if (!is_stale(k)) continue;
-      applied.copy_light(wanted, static_cast<std::uint32_t>(k));
+      SceneAccess::copy_light(applied, wanted, static_cast<std::uint32_t>(k));
       rebuild(k);
       if (limited && Clock::now() >= deadline) return false;
     }
@@ -245,10 +256,10 @@ struct Engine::Impl {
       const Clock::time_point begin = Clock::now();
       std::vector<std::uint32_t> group;
       for (; i < pending.size() && group.size() < at_once; ++i) add_to_group(pending[i], group);
-      if (options.edits) {
+      if (options.tuning.incremental) {
         apply(group, false);
       } else {
-        applied.copy_objects(wanted, group);
+        SceneAccess::copy_objects(applied, wanted, group);
         changes.applied += static_cast<std::uint32_t>(group.size());
         for (std::size_t k = 0; k < lights.size(); ++k) {
           if (lights[k].state) lights[k].state->rebuild(wanted.lights()[k]);
@@ -262,20 +273,21 @@ struct Engine::Impl {
                     [this](std::uint32_t o) { return is_pending(o); }))
       return;
     changes.complete = true;
-    seen = wanted.revision();
+    seen = SceneAccess::revision(wanted);
   }
 
-  // An object may have been given room that others, which have changed too, still take up here:
-  // they go together.
+  // An object may have been given an allocation that another object, which has changed too, still
+  // owns here: they go together.
   void add_to_group(std::uint32_t object, std::vector<std::uint32_t>& group) const {
     std::vector<std::uint32_t> more{object};
     while (!more.empty()) {
       const std::uint32_t o = more.back();
       more.pop_back();
-      if (o == none || !is_pending(o) || std::find(group.begin(), group.end(), o) != group.end())
+      if (o == invalid_index || !is_pending(o) ||
+          std::find(group.begin(), group.end(), o) != group.end())
         continue;
       group.push_back(o);
-      more.push_back(applied.room_taken_by(wanted, o));
+      more.push_back(SceneAccess::owner_of_allocation(applied, wanted, o));
     }
   }
 
@@ -289,7 +301,7 @@ struct Engine::Impl {
       }
     };
     for_lights([&](LightState& state) { state.remove_objects(objects); });
-    applied.copy_objects(wanted, objects);
+    SceneAccess::copy_objects(applied, wanted, objects);
     for_lights([&](LightState& state) { state.insert_objects(objects); });
     changes.applied += static_cast<std::uint32_t>(objects.size());
   }
@@ -325,22 +337,30 @@ const Fragment* Engine::find(std::size_t light, FragmentId id) const {
   return impl_->tracked(light).state->find(id);
 }
 
-std::vector<double> Engine::undecided(std::size_t light) const {
+std::vector<double> Engine::uncertain_area(std::size_t light) const {
   const LightState& state = *impl_->tracked(light).state;
   std::vector<double> out;
   impl_->threads.run([&] { out = state.error_bound(); });
   return out;
 }
 
-LightSets Engine::combined() const { return impl_->combined(nullptr); }
+LightPartition Engine::overlay() const { return impl_->overlay(nullptr); }
 
-LightSets Engine::combined(std::span<const std::uint32_t> faces) const {
+LightPartition Engine::overlay(std::span<const std::uint32_t> faces) const {
   impl_->require_whole();
   std::vector<bool> chosen(impl_->applied.faces().size());
   for (const std::uint32_t f : faces) {
     if (f < chosen.size()) chosen[f] = true;
   }
-  return impl_->combined(&chosen);
+  return impl_->overlay(&chosen);
+}
+
+bool Engine::is_lit(std::size_t light, std::uint32_t face, const Vec3& point) const {
+  const LightState& state = *impl_->tracked(light).state;
+  if (face >= impl_->applied.faces().size())
+    throw Error("there is no face " + std::to_string(face));
+  if (!point.allFinite()) throw Error("the point is not finite");
+  return shadowcut::is_lit(state.view(), face, point);
 }
 
 std::string Engine::validate() const {

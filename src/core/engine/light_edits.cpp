@@ -133,7 +133,7 @@ bool LightState::suits_light_space(std::span<const std::uint32_t> objects) const
   if (!space_.far()) return true;
   for (const std::uint32_t o : objects) {
     const Object& object = scene_.objects()[o];
-    if (!object.casts && !object.receives) continue;
+    if (!object.casts_shadows && !object.receives_shadows) continue;
     for (const Vec3& v : scene_.vertices().subspan(object.first_vertex, object.vertex_count)) {
       if (space_.ray(v).error > largest_ray_error) return false;
     }

@@ -14,15 +14,10 @@ Eigen::AlignedBox3d box_of(const Scene& scene) {  // of what the light has to do
   for (const Facet& facet : scene.facets()) {
     if (facet.corner_count == 0) continue;
     const Object& object = scene.objects()[scene.faces()[facet.face].object];
-    if (!object.casts && !object.receives) continue;
+    if (!object.casts_shadows && !object.receives_shadows) continue;
     for (const Corner& c : scene.corners_of(facet)) box.extend(scene.vertices()[c.vertex]);
   }
   return box;
-}
-
-bool wants_constructions(const Options& options) {
-  return options.kernel == Kernel::exact && options.constructions &&
-         options.form != Form::conforming;
 }
 
 }  // namespace
@@ -33,12 +28,14 @@ LightState::LightState(const Scene& scene, const Light& light, const Options& op
       light_(light),
       space_(light, {}),
       visibility_(scene_, space_, tables_, workspaces_),
-      order_(scene_, tables_, visibility_, options.order, options.seed),
-      grid_(scene_, tables_, visibility_, {options.edits, options.join_threshold}, workspaces_),
+      order_(scene_, tables_, visibility_, options.tuning.order, options.tuning.seed),
+      grid_(scene_, tables_, visibility_,
+            {options.tuning.incremental, options.tuning.join_threshold}, workspaces_),
       fragments_(grid_,
-                 {scene_, space_, tables_, visibility_, light_, options.form,
-                  wants_constructions(options), options.min_feature},
-                 options.edits && options.form != Form::conforming, shadows_.blocks, workspaces_),
+                 {scene_, space_, tables_, visibility_, light_, options.form, options.constructions,
+                  options.min_feature},
+                 options.tuning.incremental && options.form != Form::conforming, shadows_.blocks,
+                 workspaces_),
       areas_(fragments_.context(), shadows_.areas, shadows_.stats),
       statistics_(grid_, fragments_, policy_, shadows_.stats) {
   begin_update();
@@ -80,8 +77,8 @@ void LightState::build() {
   visibility_.decide_all(light_);
   fill_tables(scene_, space_, visibility_, tables_);
   const std::vector<FacetId> order = order_.of_scene();
-  grid_.divide(options_.facets_per_cell ? order_.middle_rays(order) : std::vector<Vec3>(),
-               space_.far(), options_.facets_per_cell);
+  grid_.divide(options_.tuning.facets_per_cell ? order_.middle_rays(order) : std::vector<Vec3>(),
+               space_.far(), options_.tuning.facets_per_cell);
   if (is_exact()) set_exact_kd_lines(space_, tables_);
   grid_.build(order, options_.progress);
   shadows_.stats.build_ms = ms_since(start);
@@ -90,7 +87,7 @@ void LightState::build() {
   policy_.start(grid_.size());
   fragments_.emit_all(update_, options_.progress);
   sum_up();
-  if (options_.edits) start_edits();
+  if (options_.tuning.incremental) start_edits();
   shadows_.stats.emit_ms = ms_since(built);
 }
 
@@ -107,7 +104,7 @@ void LightState::sum_up() {
   } else {
     areas_.start(fragments_.emitted_areas(), shadows_.blocks);
   }
-  for (const Face& face : scene_.faces()) s.faces += face.object != none;
+  for (const Face& face : scene_.faces()) s.faces += face.object != invalid_index;
   s.facets = visibility_.entered();
   s.cells = grid_.size();
   s.nodes = s.sp_nodes = grid_.kd_tree().node_count();

@@ -31,7 +31,7 @@ class LightState {
   Shadows take_shadows() { return std::move(shadows_); }
   const Fragment* find(FragmentId id) const { return fragments_.find(id); }
   LightView view() const { return {grid_, fragments_.context(), shadows_}; }
-  // Of every face, how much could be in another state; see Engine::undecided.
+  // Of every face, how much could be in another state; see Engine::uncertain_area.
   std::vector<double> error_bound() const;
   // Every invariant; empty when all hold.
   std::string validate() const;

@@ -82,7 +82,7 @@ std::vector<std::uint32_t> RebuildPolicy::movers_at_leaves(
   std::vector<std::uint32_t> at_leaves;
   for (const Mover& m : cells_[id.value()].movers) {
     const bool here = std::binary_search(objects.begin(), objects.end(), m.object);
-    if (m.times >= 2 * objects.size() && here && tree.tables().objects[m.object].casts &&
+    if (m.times >= 2 * objects.size() && here && tree.tables().objects[m.object].casts_shadows &&
         at_leaves.size() < objects.size() / 4)
       at_leaves.push_back(m.object);
   }

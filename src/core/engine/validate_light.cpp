@@ -53,7 +53,7 @@ std::string LightState::validate() const {
     if (problem.empty()) problem = fragments_.validate(CellId(c));
     if (!problem.empty()) return "cell " + std::to_string(c) + ": " + problem;
   }
-  if (options_.edits) {
+  if (options_.tuning.incremental) {
     if (std::string problem = grid_.validate_locations(); !problem.empty()) return problem;
     if (std::string problem = grid_.validate_lines(); !problem.empty()) return problem;
   }

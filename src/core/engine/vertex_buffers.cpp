@@ -1,10 +1,13 @@
 // Vertex buffers that follow an engine: where fragments have their places, what becomes a hole,
 // what fills it.
 
+#include <tsl/robin_map.h>
+
 #include <algorithm>
 #include <limits>
 #include <shadowcut/buffers.hpp>
 #include <string>
+#include <vector>
 
 #include "support/free_list.hpp"
 #include "support/hash.hpp"
@@ -21,68 +24,98 @@ void turn_to_front(std::vector<Vec3>& corners, const Vec3& normal) {
   if (doubled.dot(normal) < 0) std::reverse(corners.begin() + 1, corners.end());
 }
 
+struct FragmentIdHash {
+  std::size_t operator()(const FragmentId& id) const {
+    return mix((std::uint64_t{id.cell} << 32 | id.piece) ^ mix(id.place));
+  }
+};
+
 }  // namespace
 
-void FragmentBuffers::Places::clear() {
-  slots_.clear();
-  count_ = 0;
-}
+struct FragmentBuffers::Impl {
+  struct Place {  // of a fragment
+    std::uint32_t first_vertex, first_index, corners;
+  };
+  struct Hole {
+    Place place;
+    std::uint64_t made;  // in which update
+  };
+  struct Source {  // what all vertices of a fragment have in common
+    std::uint32_t face, facet;
+    bool lit;
+    std::span<const std::uint32_t> mask;
+  };
 
-std::size_t FragmentBuffers::Places::home(FragmentId id) const {
-  return mix((std::uint64_t{id.cell} << 32 | id.piece) ^ mix(id.place)) & (slots_.size() - 1);
-}
+  Impl(std::uint32_t light, const BufferLayout& layout);
+  void set_origin(const Vec3& origin);
+  void update(const Engine& engine, const Changes& changes);
+  void fill(const Engine& engine);
+  void fill(const Scene& scene, const Shadows& shadows);
+  void fill(const Scene& scene, const LightPartition& partition);
 
-void FragmentBuffers::Places::insert(FragmentId id, const Place& place) {
-  if (2 * (count_ + 1) > slots_.size()) {
-    std::vector<Slot> old(std::max<std::size_t>(16, 2 * slots_.size()));
-    old.swap(slots_);
-    count_ = 0;
-    for (const Slot& slot : old) {
-      if (slot.place.corners != 0) insert(slot.id, slot.place);
-    }
+  std::uint32_t vertices_of(std::uint32_t corners) const {
+    return layout_.indexed ? corners : 3 * (corners - 2);
   }
-  std::size_t at = home(id);
-  while (slots_[at].place.corners != 0) at = next(at);
-  slots_[at] = {id, place};
-  ++count_;
-}
-
-FragmentBuffers::Place FragmentBuffers::Places::take(FragmentId id) {
-  if (count_ == 0) return {};
-  std::size_t at = home(id);
-  while (slots_[at].place.corners != 0 && !(slots_[at].id == id)) at = next(at);
-  const Place place = slots_[at].place;
-  if (place.corners == 0) return place;
-  --count_;
-  // What comes after it moves up where it may, so that no gap stands between a fragment's home and
-  // its slot.
-  for (std::size_t gap = at;;) {
-    slots_[gap] = {};
-    std::size_t from = gap;
-    do {
-      from = next(from);
-      if (slots_[from].place.corners == 0) return place;
-    } while (((from - home(slots_[from].id)) & (slots_.size() - 1)) <
-             ((from - gap) & (slots_.size() - 1)));
-    slots_[gap] = slots_[from];
-    gap = from;
+  std::uint32_t indices_of(std::uint32_t corners) const {
+    return layout_.indexed ? 3 * (corners - 2) : 0;
   }
-}
+  bool shows(bool lit) const {
+    return layout_.show == Show::all || lit == (layout_.show == Show::lit);
+  }
+  void begin();
+  void follow(const Engine& engine, const Changes& changes, bool next);
+  void refill(const Engine& engine);
+  void clear();
+  void apply(const Engine& engine, const LightChanges& change);
+  bool apply_to_faces(const Engine& engine, const Changes& changes);
+  void add_shadows(const Scene& scene, const Shadows& shadows);
+  void add_fragment(const Scene& scene, const FragmentView& fragment);
+  void add_partition(const Scene& scene, const LightPartition& partition);
+  Place add(const Scene& scene, const Source& source, std::span<const Vec3> corners);
+  void remove(const Place& place);
+  Place take_place(std::uint32_t corners);
+  void reserve(std::uint64_t vertices, std::uint64_t indices);
+  void set_mask_words(std::size_t lights);
+  void write_position(std::size_t vertex, const Vec3& position);
+  void write_source(std::size_t first, std::size_t count, const Source& source,
+                    std::uint32_t object, const Vec3& normal);
+  void list_changes();
 
-FragmentBuffers::FragmentBuffers(std::uint32_t light, const BufferLayout& layout)
+  std::uint32_t light_;
+  BufferLayout layout_;
+  std::uint64_t seen_ = 0;  // the last update applied; 0: the next one cannot be applied to it
+  std::uint32_t vertex_count_ = 0, vertex_capacity_ = 0, index_count_ = 0, index_capacity_ = 0;
+  std::uint32_t fragment_count_ = 0, hole_vertices_ = 0, mask_words_ = 0;
+  std::vector<float> positions_, normals_;
+  std::vector<double> double_positions_;
+  std::vector<std::uint32_t> faces_, objects_, masks_, indices_;
+  std::vector<std::uint8_t> states_;
+
+  tsl::robin_map<FragmentId, Place, FragmentIdHash> places_;  // of one light
+  std::vector<std::vector<Place>> places_of_face_;            // of all lights
+  std::vector<std::vector<Hole>> holes_;                      // by their number of corners
+  std::vector<Place> touched_;                                // since the update began
+  std::uint64_t updates_ = 0;
+  bool refilled_ = false, grown_ = false;
+  std::vector<Range> changed_vertices_, changed_indices_;
+  std::vector<std::uint32_t> mask_;  // of the current fragment
+  std::vector<Vec3> corners_;        // of the current fragment
+};
+
+FragmentBuffers::Impl::Impl(std::uint32_t light, const BufferLayout& layout)
     : light_(light), layout_(layout) {
   if (!(layout.hole_share >= 0 && layout.hole_share <= 1))
     throw Error("the share of holes must be between 0 and 1");
   set_origin(layout.origin);
 }
 
-void FragmentBuffers::set_origin(const Vec3& origin) {
+void FragmentBuffers::Impl::set_origin(const Vec3& origin) {
   if (!origin.allFinite()) throw Error("the origin of the buffers must be finite");
   layout_.origin = origin;
   seen_ = 0;
 }
 
-void FragmentBuffers::update(const Engine& engine, const Changes& changes) {
+void FragmentBuffers::Impl::update(const Engine& engine, const Changes& changes) {
   const std::uint64_t seen = seen_;
   begin();
   if (seen == 0 || changes.update != seen)
@@ -91,13 +124,13 @@ void FragmentBuffers::update(const Engine& engine, const Changes& changes) {
   seen_ = changes.update;
 }
 
-void FragmentBuffers::fill(const Engine& engine) {
+void FragmentBuffers::Impl::fill(const Engine& engine) {
   begin();
   refill(engine);
   list_changes();
 }
 
-void FragmentBuffers::fill(const Scene& scene, const Shadows& shadows) {
+void FragmentBuffers::Impl::fill(const Scene& scene, const Shadows& shadows) {
   if (light_ == all_lights)
     throw Error("buffers of all lights cannot be filled with the shadows of one");
   begin();
@@ -106,25 +139,25 @@ void FragmentBuffers::fill(const Scene& scene, const Shadows& shadows) {
   list_changes();
 }
 
-void FragmentBuffers::fill(const Scene& scene, const LightSets& sets) {
+void FragmentBuffers::Impl::fill(const Scene& scene, const LightPartition& partition) {
   if (light_ != all_lights)
     throw Error("buffers of one light cannot be filled with the partition by all");
   begin();
   clear();
   set_mask_words(std::max<std::size_t>(scene.lights().size(), 1));
-  add_sets(scene, sets);
+  add_partition(scene, partition);
   list_changes();
 }
 
 // Until all is done, there is nothing that a later update could go on from.
-void FragmentBuffers::begin() {
+void FragmentBuffers::Impl::begin() {
   seen_ = 0;
-  anew_ = grown_ = false;
+  refilled_ = grown_ = false;
   touched_.clear();
   ++updates_;
 }
 
-void FragmentBuffers::follow(const Engine& engine, const Changes& changes, bool next) {
+void FragmentBuffers::Impl::follow(const Engine& engine, const Changes& changes, bool next) {
   bool done = next;
   if (next && light_ == all_lights) {
     done = apply_to_faces(engine, changes);
@@ -138,40 +171,42 @@ void FragmentBuffers::follow(const Engine& engine, const Changes& changes, bool 
     refill(engine);
 }
 
-void FragmentBuffers::refill(const Engine& engine) {
+void FragmentBuffers::Impl::refill(const Engine& engine) {
   const Scene& scene = engine.scene();
   clear();
   if (light_ == all_lights) {
     set_mask_words(std::max<std::size_t>(scene.lights().size(), 1));
-    add_sets(scene, engine.combined());
-  } else if (light_ < engine.light_count() && scene.light_id(light_).index != none) {
+    add_partition(scene, engine.overlay());
+  } else if (light_ < engine.light_count() && scene.light_id(light_).index != invalid_index) {
     add_shadows(scene, engine.shadows(light_));
   }
 }
 
-void FragmentBuffers::clear() {
-  anew_ = true;
+void FragmentBuffers::Impl::clear() {
+  refilled_ = true;
   places_.clear(), places_of_face_.clear(), holes_.clear(), touched_.clear();
   vertex_count_ = index_count_ = fragment_count_ = hole_vertices_ = 0;
   if (light_ != all_lights) set_mask_words(std::size_t{light_} + 1);
 }
 
-void FragmentBuffers::apply(const Engine& engine, const LightChanges& change) {
+void FragmentBuffers::Impl::apply(const Engine& engine, const LightChanges& change) {
   if (change.removed || change.rebuilt) return refill(engine);
   for (const FragmentId& id : change.gone) {
-    // otherwise it was not shown
-    if (const Place place = places_.take(id); place.corners != 0) remove(place);
+    const auto found = places_.find(id);
+    if (found == places_.end()) continue;  // not shown
+    remove(found->second);
+    places_.erase(found);
   }
   const Shadows& shadows = engine.shadows(light_);
   for (const LightChanges::Added& a : change.added) {
     const Block& block = shadows.blocks[a.id.cell];
-    add_fragment(engine.scene(), block, block.fragments[a.index]);
+    add_fragment(engine.scene(), {block, block.fragments[a.index]});
   }
 }
 
 // The partition of a face stays as it is where no light's fragments on it have changed. False: it
 // has to be made as a whole.
-bool FragmentBuffers::apply_to_faces(const Engine& engine, const Changes& changes) {
+bool FragmentBuffers::Impl::apply_to_faces(const Engine& engine, const Changes& changes) {
   std::vector<std::uint32_t> faces;
   for (const LightChanges& change : changes.lights) {
     if (change.removed || change.rebuilt) return false;
@@ -187,33 +222,30 @@ bool FragmentBuffers::apply_to_faces(const Engine& engine, const Changes& change
     for (const Place& place : places_of_face_[f]) remove(place);
     places_of_face_[f].clear();
   }
-  add_sets(engine.scene(), engine.combined(faces));
+  add_partition(engine.scene(), engine.overlay(faces));
   return true;
 }
 
-void FragmentBuffers::add_shadows(const Scene& scene, const Shadows& shadows) {
-  for (const Block& block : shadows.blocks) {
-    for (const Fragment& fragment : block.fragments) add_fragment(scene, block, fragment);
-  }
+void FragmentBuffers::Impl::add_shadows(const Scene& scene, const Shadows& shadows) {
+  for (const auto fragment : shadows.fragments()) add_fragment(scene, fragment);
 }
 
-void FragmentBuffers::add_fragment(const Scene& scene, const Block& block,
-                                   const Fragment& fragment) {
-  if (!shows(fragment.lit)) return;
+void FragmentBuffers::Impl::add_fragment(const Scene& scene, const FragmentView& fragment) {
+  if (!shows(fragment->lit)) return;
   mask_.assign(mask_words_, 0);
-  if (fragment.lit && mask_words_ > 0) mask_[light_ / 32] = std::uint32_t{1} << (light_ % 32);
+  if (fragment->lit && mask_words_ > 0) mask_[light_ / 32] = std::uint32_t{1} << (light_ % 32);
   const Place place =
-      add(scene, {fragment.face, fragment.facet, fragment.lit, mask_}, block.corners_of(fragment));
-  places_.insert(fragment.id, place);
+      add(scene, {fragment->face, fragment->facet, fragment->lit, mask_}, fragment.corners());
+  places_.insert_or_assign(fragment->id, place);
 }
 
-void FragmentBuffers::add_sets(const Scene& scene, const LightSets& sets) {
+void FragmentBuffers::Impl::add_partition(const Scene& scene, const LightPartition& partition) {
   places_of_face_.resize(std::max(places_of_face_.size(), scene.faces().size()));
-  for (std::size_t i = 0; i < sets.fragments.size(); ++i) {
-    const LightSets::Fragment& fragment = sets.fragments[i];
+  for (std::size_t i = 0; i < partition.fragments.size(); ++i) {
+    const LightPartition::Fragment& fragment = partition.fragments[i];
     mask_.clear();
-    for (std::size_t w = 0; w < sets.words; ++w) {
-      const std::uint64_t word = sets.lights[i * sets.words + w];
+    for (std::size_t w = 0; w < partition.words; ++w) {
+      const std::uint64_t word = partition.lights[i * partition.words + w];
       mask_.push_back(static_cast<std::uint32_t>(word));
       mask_.push_back(static_cast<std::uint32_t>(word >> 32));
     }
@@ -221,18 +253,18 @@ void FragmentBuffers::add_sets(const Scene& scene, const LightSets& sets) {
         std::any_of(mask_.begin(), mask_.end(), [](std::uint32_t word) { return word != 0; });
     if (!shows(lit)) continue;
     places_of_face_[fragment.face].push_back(
-        add(scene, {fragment.face, fragment.facet, lit, mask_}, sets.corners_of(fragment)));
+        add(scene, {fragment.face, fragment.facet, lit, mask_}, partition.corners_of(fragment)));
   }
 }
 
-FragmentBuffers::Place FragmentBuffers::add(const Scene& scene, const Source& source,
-                                            std::span<const Vec3> corners) {
+FragmentBuffers::Impl::Place FragmentBuffers::Impl::add(const Scene& scene, const Source& source,
+                                                        std::span<const Vec3> corners) {
   const Vec3& normal = scene.planes()[scene.facets()[source.facet].plane].normal;
   const std::uint32_t object = scene.faces()[source.face].object;
   corners_.assign(corners.begin(), corners.end());
   turn_to_front(corners_, normal);
   const auto count = static_cast<std::uint32_t>(corners_.size());
-  const Place place = take(count);
+  const Place place = take_place(count);
   std::uint32_t vertex = place.first_vertex, index = place.first_index;
   write_source(vertex, vertices_of(count), source, object, normal);
   if (layout_.indexed) {
@@ -247,9 +279,10 @@ FragmentBuffers::Place FragmentBuffers::add(const Scene& scene, const Source& so
   return place;
 }
 
-void FragmentBuffers::remove(const Place& place) {
+void FragmentBuffers::Impl::remove(const Place& place) {
   const std::uint32_t vertices = vertices_of(place.corners), indices = indices_of(place.corners);
-  write_source(place.first_vertex, vertices, {none, none, false, {}}, none, Vec3::Zero());
+  write_source(place.first_vertex, vertices, {invalid_index, invalid_index, false, {}},
+               invalid_index, Vec3::Zero());
   for (std::uint32_t v = place.first_vertex; v < place.first_vertex + vertices; ++v)
     write_position(v, layout_.origin);
   std::fill_n(indices_.begin() + place.first_index, indices, place.first_vertex);
@@ -257,36 +290,36 @@ void FragmentBuffers::remove(const Place& place) {
   holes_[place.corners].push_back({place, updates_});
   hole_vertices_ += vertices;
   --fragment_count_;
-  if (!anew_) touched_.push_back(place);
+  if (!refilled_) touched_.push_back(place);
 }
 
-FragmentBuffers::Place FragmentBuffers::take(std::uint32_t corners) {
+FragmentBuffers::Impl::Place FragmentBuffers::Impl::take_place(std::uint32_t corners) {
   const std::uint32_t vertices = vertices_of(corners), indices = indices_of(corners);
   if (corners < holes_.size() && !holes_[corners].empty()) {
     const Hole hole = holes_[corners].back();
     holes_[corners].pop_back();
     hole_vertices_ -= vertices;
-    if (!anew_ && hole.made != updates_) touched_.push_back(hole.place);
+    if (!refilled_ && hole.made != updates_) touched_.push_back(hole.place);
     return hole.place;
   }
   const Place place{vertex_count_, index_count_, corners};
-  make_room(std::uint64_t{vertex_count_} + vertices, std::uint64_t{index_count_} + indices);
+  reserve(std::uint64_t{vertex_count_} + vertices, std::uint64_t{index_count_} + indices);
   vertex_count_ += vertices, index_count_ += indices;
-  if (!anew_) touched_.push_back(place);
+  if (!refilled_) touched_.push_back(place);
   return place;
 }
 
-void FragmentBuffers::make_room(std::uint64_t vertices, std::uint64_t indices) {
+void FragmentBuffers::Impl::reserve(std::uint64_t vertices, std::uint64_t indices) {
   if (vertices <= vertex_capacity_ && indices <= index_capacity_) return;
   static constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
   if (std::max(vertices, indices) > most)
     throw Error("more than 2^32 vertices or indices in one buffer");
-  const auto room = [](std::uint64_t needed, std::uint32_t capacity) {
+  const auto larger = [](std::uint64_t needed, std::uint32_t capacity) {
     return needed <= capacity ? capacity
                               : static_cast<std::uint32_t>(std::min(needed + needed / 2, most));
   };
-  const std::uint32_t capacity = room(vertices, vertex_capacity_),
-                      more_indices = room(indices, index_capacity_);
+  const std::uint32_t capacity = larger(vertices, vertex_capacity_),
+                      more_indices = larger(indices, index_capacity_);
   const std::size_t n = capacity;
   if (layout_.doubles) double_positions_.resize(3 * n);
   else positions_.resize(3 * n);
@@ -301,7 +334,7 @@ void FragmentBuffers::make_room(std::uint64_t vertices, std::uint64_t indices) {
 }
 
 // Only while there is nothing in the buffers.
-void FragmentBuffers::set_mask_words(std::size_t lights) {
+void FragmentBuffers::Impl::set_mask_words(std::size_t lights) {
   const auto words = static_cast<std::uint32_t>(layout_.masks ? (lights + 31) / 32 : 0);
   if (words == mask_words_) return;
   masks_.assign(std::size_t{words} * vertex_capacity_, 0);
@@ -309,7 +342,7 @@ void FragmentBuffers::set_mask_words(std::size_t lights) {
   grown_ = true;
 }
 
-void FragmentBuffers::write_position(std::size_t vertex, const Vec3& position) {
+void FragmentBuffers::Impl::write_position(std::size_t vertex, const Vec3& position) {
   const Vec3 x = position - layout_.origin;
   if (layout_.doubles) {
     std::copy_n(x.data(), 3, double_positions_.data() + 3 * vertex);
@@ -320,8 +353,8 @@ void FragmentBuffers::write_position(std::size_t vertex, const Vec3& position) {
 }
 
 // What a fragment's vertices have in common.
-void FragmentBuffers::write_source(std::size_t first, std::size_t count, const Source& source,
-                                   std::uint32_t object, const Vec3& normal) {
+void FragmentBuffers::Impl::write_source(std::size_t first, std::size_t count, const Source& source,
+                                         std::uint32_t object, const Vec3& normal) {
   if (layout_.normals) {
     const Eigen::Vector3f n = normal.cast<float>();
     for (std::size_t v = first; v < first + count; ++v)
@@ -337,9 +370,9 @@ void FragmentBuffers::write_source(std::size_t first, std::size_t count, const S
   }
 }
 
-void FragmentBuffers::list_changes() {
+void FragmentBuffers::Impl::list_changes() {
   changed_vertices_.clear(), changed_indices_.clear();
-  if (anew_ || grown_) {
+  if (refilled_ || grown_) {
     if (vertex_count_ > 0) changed_vertices_.push_back({0, vertex_count_});
     if (index_count_ > 0) changed_indices_.push_back({0, index_count_});
     return;
@@ -360,5 +393,59 @@ void FragmentBuffers::list_changes() {
     cover(changed_indices_, place.first_index, indices_of(place.corners));
   }
 }
+
+// ---- The public face.
+
+FragmentBuffers::FragmentBuffers(std::uint32_t light, const BufferLayout& layout)
+    : impl_(std::make_unique<Impl>(light, layout)) {}
+FragmentBuffers::~FragmentBuffers() = default;
+FragmentBuffers::FragmentBuffers(const FragmentBuffers& other)
+    : impl_(std::make_unique<Impl>(*other.impl_)) {}
+FragmentBuffers& FragmentBuffers::operator=(const FragmentBuffers& other) {
+  if (this != &other) impl_ = std::make_unique<Impl>(*other.impl_);
+  return *this;
+}
+FragmentBuffers::FragmentBuffers(FragmentBuffers&&) noexcept = default;
+FragmentBuffers& FragmentBuffers::operator=(FragmentBuffers&&) noexcept = default;
+
+void FragmentBuffers::update(const Engine& engine, const Changes& changes) {
+  impl_->update(engine, changes);
+}
+void FragmentBuffers::fill(const Engine& engine) { impl_->fill(engine); }
+void FragmentBuffers::fill(const Scene& scene, const Shadows& shadows) {
+  impl_->fill(scene, shadows);
+}
+void FragmentBuffers::fill(const Scene& scene, const LightPartition& partition) {
+  impl_->fill(scene, partition);
+}
+void FragmentBuffers::forget() { impl_->seen_ = 0; }
+void FragmentBuffers::set_origin(const Vec3& origin) { impl_->set_origin(origin); }
+
+std::uint32_t FragmentBuffers::light() const { return impl_->light_; }
+const BufferLayout& FragmentBuffers::layout() const { return impl_->layout_; }
+std::uint32_t FragmentBuffers::vertex_count() const { return impl_->vertex_count_; }
+std::uint32_t FragmentBuffers::vertex_capacity() const { return impl_->vertex_capacity_; }
+std::uint32_t FragmentBuffers::index_count() const { return impl_->index_count_; }
+std::uint32_t FragmentBuffers::index_capacity() const { return impl_->index_capacity_; }
+std::uint32_t FragmentBuffers::fragment_count() const { return impl_->fragment_count_; }
+std::uint32_t FragmentBuffers::hole_vertices() const { return impl_->hole_vertices_; }
+std::uint32_t FragmentBuffers::mask_words() const { return impl_->mask_words_; }
+bool FragmentBuffers::grown() const { return impl_->grown_; }
+std::span<const FragmentBuffers::Range> FragmentBuffers::changed_vertices() const {
+  return impl_->changed_vertices_;
+}
+std::span<const FragmentBuffers::Range> FragmentBuffers::changed_indices() const {
+  return impl_->changed_indices_;
+}
+std::span<const float> FragmentBuffers::positions() const { return impl_->positions_; }
+std::span<const double> FragmentBuffers::double_positions() const {
+  return impl_->double_positions_;
+}
+std::span<const float> FragmentBuffers::normals() const { return impl_->normals_; }
+std::span<const std::uint32_t> FragmentBuffers::faces() const { return impl_->faces_; }
+std::span<const std::uint32_t> FragmentBuffers::objects() const { return impl_->objects_; }
+std::span<const std::uint8_t> FragmentBuffers::states() const { return impl_->states_; }
+std::span<const std::uint32_t> FragmentBuffers::masks() const { return impl_->masks_; }
+std::span<const std::uint32_t> FragmentBuffers::indices() const { return impl_->indices_; }
 
 }  // namespace shadowcut

@@ -33,7 +33,7 @@ void drop_null_edges(Cone& cone, const CellPredicates& l, const ExactPredicates&
 
 struct Turns {
   bool any = false;            // the loop has an area
-  std::uint32_t wrong = none;  // the edge behind which it turns outward
+  std::uint32_t wrong = invalid_index;  // the edge behind which it turns outward
 };
 
 Turns turns_of(const Cone& cone, const CellPredicates& l, SignCounts& counts) {
@@ -90,7 +90,8 @@ void tidy(Cone& half, const CellPredicates& l) {
   }
   // Where the cut ends at a corner of the facet, it is that corner.
   for (std::uint32_t i = 0; i < half.count; ++i) {
-    if (c[i].vertex == none) c[i].vertex = l.shared_vertex(incoming(half.span(), i), c[i].edge);
+    if (c[i].vertex == invalid_index)
+      c[i].vertex = l.shared_vertex(incoming(half.span(), i), c[i].edge);
   }
 }
 
@@ -157,11 +158,11 @@ bool FacetVisibility::cut_convex(Cone* cone, Workspace& w, std::vector<Cone*>& p
     Cone* part = pending.back();
     pending.pop_back();
     const Turns turns = turns_of(*part, l, counts);
-    if (turns.wrong == none && turns.any) {
+    if (turns.wrong == invalid_index && turns.any) {
       parts.push_back(part);
       continue;
     }
-    if (turns.wrong != none) {
+    if (turns.wrong != invalid_index) {
       simple = simple && steps-- > 0;
       const std::vector<int> sides =
           simple ? sides_of(*part, turns.wrong, l, counts) : std::vector<int>();

@@ -9,7 +9,7 @@ namespace shadowcut {
 
 bool FacetVisibility::light_is_inside(const Object& object, const Light& light) const {
   return light.kind == Light::Kind::point && object.sides == Sides::closed &&
-         in_or_on_solid(scene_, object, light.at);
+         in_or_on_solid(scene_, object, light.position);
 }
 
 bool FacetVisibility::forward(FacetId f) const {
@@ -33,7 +33,7 @@ void FacetVisibility::decide(FacetId id, bool in_range, bool light_inside, const
   grazed_[i] = 0;
   // A plane seen from afar is all of one piece.
   if (orientation != Orientation::edge_on && !space_.far() &&
-      !meets_all_corners(scene_, facet, light.at))
+      !meets_all_corners(scene_, facet, light.position))
     orientation = Orientation::edge_on;
   if (orientation == Orientation::edge_on && tables_.is_exact()) {
     // A light this near to the plane may be on different sides of the plane and of what the rays
@@ -47,20 +47,21 @@ void FacetVisibility::decide(FacetId id, bool in_range, bool light_inside, const
     if (front != 0 && all_ahead) orientation = front > 0 ? Orientation::toward : Orientation::away;
     grazed_[i] = orientation != Orientation::edge_on;
   }
-  facing_[i] = object.receives ? Facing::away : Facing::ignored;
+  facing_[i] = object.receives_shadows ? Facing::away : Facing::ignored;
   enters_[i] = 0;
   blocks_only_[i] = 0;
   if (!in_range) {
-    if (object.receives) facing_[i] = Facing::out_of_reach;
+    if (object.receives_shadows) facing_[i] = Facing::out_of_reach;
     return;
   }
-  if (orientation == Orientation::edge_on || (!object.casts && !object.receives)) return;
+  if (orientation == Orientation::edge_on || (!object.casts_shadows && !object.receives_shadows))
+    return;
   const bool turned_off = orientation == Orientation::away && object.sides == Sides::closed;
-  if (turned_off && !(light_inside && object.casts)) return;
+  if (turned_off && !(light_inside && object.casts_shadows)) return;
   SHADOWCUT_ASSERT(orientation != Orientation::edge_on);
   enters_[i] = 1;
   blocks_only_[i] = turned_off;
-  if (!turned_off && object.receives) facing_[i] = Facing::toward;
+  if (!turned_off && object.receives_shadows) facing_[i] = Facing::toward;
 }
 
 void FacetVisibility::decide_all(const Light& light) {

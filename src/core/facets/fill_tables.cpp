@@ -21,7 +21,7 @@ void fill_tables(const Scene& scene, const LightSpace& space, FacetVisibility& v
   const auto facets = scene.facets();
   std::vector<std::uint8_t> vertex_used(scene.vertices().size(), 0),
       plane_used(scene.planes().size(), 0);
-  std::vector<std::uint32_t> object_of_edge(scene.edges().size(), none);  // of used edges
+  std::vector<std::uint32_t> object_of_edge(scene.edges().size(), invalid_index);  // of used edges
   for (std::size_t i = 0; i < facets.size(); ++i) {
     if (!visibility.enters(FacetId(i))) continue;
     plane_used[facets[i].plane] = 1;
@@ -38,7 +38,7 @@ void fill_tables(const Scene& scene, const LightSpace& space, FacetVisibility& v
     if (vertex_used[i]) tables.rays[i] = space.ray(scene.vertices()[i]);
   });
   parallel_for(object_of_edge.size(), grain, [&](std::size_t i) {
-    if (object_of_edge[i] != none)
+    if (object_of_edge[i] != invalid_index)
       set_line(scene, space, object_of_edge[i], static_cast<std::uint32_t>(i), tables);
   });
   parallel_for(plane_used.size(), grain, [&](std::size_t i) {

@@ -43,8 +43,8 @@ std::vector<FacetId> InsertionOrder::by_object(std::span<const std::uint32_t> ob
     SHADOWCUT_ASSERT(object.first_facet + object.facet_count <= scene_.facets().size());
     for (std::uint32_t i = object.first_facet; i < object.first_facet + object.facet_count; ++i)
       sum += visibility_.enters(FacetId(i)) ? size(FacetId(i)) : 0;
-    const bool moves_last = object.moves && order_ == Order::solid_angle;
-    sorted.push_back({object.casts ? (moves_last ? 1u : 0u) : 2u, sum, o});
+    const bool moves_last = object.dynamic && order_ == Order::solid_angle;
+    sorted.push_back({object.casts_shadows ? (moves_last ? 1u : 0u) : 2u, sum, o});
   }
   std::sort(sorted.begin(), sorted.end());
   std::vector<FacetId> out;

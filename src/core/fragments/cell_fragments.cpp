@@ -23,9 +23,9 @@ struct CellFragments::Sink {
 
 void CellFragments::grow(const SvbspTree& tree) {
   states_.grow(tree);
-  at_place_.resize(2 * tree.nodes().size(), none);
+  at_place_.resize(2 * tree.nodes().size(), invalid_index);
   ways_.grow(2 * tree.nodes().size());
-  of_piece_.resize(tree.pieces.pieces().size(), none);
+  of_piece_.resize(tree.pieces.pieces().size(), invalid_index);
 }
 
 void CellFragments::begin(Block& block, std::uint32_t update) {
@@ -140,7 +140,8 @@ std::vector<NodeId> CellFragments::mark_ways(const SvbspTree& tree) {
   for (const Place change : changed_) {
     Place top = change, place = change;
     for (; !place.is_root() && !ways_.is_marked(place); place = tree.links(place.node()).parent) {
-      if (at_place_[place.value()] != none || !states_.of(tree, tree.branch(place)).is_mixed())
+      if (at_place_[place.value()] != invalid_index ||
+          !states_.of(tree, tree.branch(place)).is_mixed())
         top = place;
       if (!tree.is_pp(place.node())) continue;
       pp_nodes.push_back(place.node());
@@ -164,7 +165,7 @@ void CellFragments::drop_below(const SvbspTree& tree, Place top) {
   while (!pending_.empty()) {
     const Place place = pending_.back();
     pending_.pop_back();
-    if (at_place_[place.value()] != none) {  // uniform: nothing hangs further down
+    if (at_place_[place.value()] != invalid_index) {  // uniform: nothing hangs further down
       drop_all_at(at_place_[place.value()]);
       continue;
     }
@@ -182,11 +183,11 @@ void CellFragments::link(std::uint32_t index, const FragmentId& id) {
                    id.piece < of_piece_.size());
   Record& r = records_[index];
   r.of_piece_next = of_piece_[id.piece];
-  if (r.of_piece_next != none) records_[r.of_piece_next].of_piece_previous = index;
+  if (r.of_piece_next != invalid_index) records_[r.of_piece_next].of_piece_previous = index;
   of_piece_[id.piece] = index;
-  if (id.place == none) return;
+  if (id.place == invalid_index) return;
   r.at_place_next = at_place_[id.place];
-  if (r.at_place_next != none) records_[r.at_place_next].at_place_previous = index;
+  if (r.at_place_next != invalid_index) records_[r.at_place_next].at_place_previous = index;
   at_place_[id.place] = index;
 }
 
@@ -194,13 +195,13 @@ void CellFragments::link(std::uint32_t index, const FragmentId& id) {
 void CellFragments::relink(std::uint32_t index, const FragmentId& id) {
   const Record& r = records_[index];
   SHADOWCUT_ASSERT(id.piece < of_piece_.size());
-  if (r.of_piece_next != none) records_[r.of_piece_next].of_piece_previous = index;
-  (r.of_piece_previous != none ? records_[r.of_piece_previous].of_piece_next
-                               : of_piece_[id.piece]) = index;
-  if (id.place == none) return;
-  if (r.at_place_next != none) records_[r.at_place_next].at_place_previous = index;
-  (r.at_place_previous != none ? records_[r.at_place_previous].at_place_next
-                               : at_place_[id.place]) = index;
+  if (r.of_piece_next != invalid_index) records_[r.of_piece_next].of_piece_previous = index;
+  (r.of_piece_previous != invalid_index ? records_[r.of_piece_previous].of_piece_next
+                                        : of_piece_[id.piece]) = index;
+  if (id.place == invalid_index) return;
+  if (r.at_place_next != invalid_index) records_[r.at_place_next].at_place_previous = index;
+  (r.at_place_previous != invalid_index ? records_[r.at_place_previous].at_place_next
+                                        : at_place_[id.place]) = index;
 }
 
 void CellFragments::drop(std::uint32_t fragment) {
@@ -212,13 +213,15 @@ void CellFragments::drop(std::uint32_t fragment) {
   area_changes_.push_back({f.face, f.lit, false, f.area});
   free_corners_.give_back(f.first_corner, f.corner_count);
 
-  if (r.of_piece_next != none) records_[r.of_piece_next].of_piece_previous = r.of_piece_previous;
-  (r.of_piece_previous != none ? records_[r.of_piece_previous].of_piece_next
-                               : of_piece_[f.id.piece]) = r.of_piece_next;
-  if (f.id.place != none) {
-    if (r.at_place_next != none) records_[r.at_place_next].at_place_previous = r.at_place_previous;
-    (r.at_place_previous != none ? records_[r.at_place_previous].at_place_next
-                                 : at_place_[f.id.place]) = r.at_place_next;
+  if (r.of_piece_next != invalid_index)
+    records_[r.of_piece_next].of_piece_previous = r.of_piece_previous;
+  (r.of_piece_previous != invalid_index ? records_[r.of_piece_previous].of_piece_next
+                                        : of_piece_[f.id.piece]) = r.of_piece_next;
+  if (f.id.place != invalid_index) {
+    if (r.at_place_next != invalid_index)
+      records_[r.at_place_next].at_place_previous = r.at_place_previous;
+    (r.at_place_previous != invalid_index ? records_[r.at_place_previous].at_place_next
+                                          : at_place_[f.id.place]) = r.at_place_next;
   }
   // The last fragment takes its index.
   const auto last = static_cast<std::uint32_t>(fragments.size() - 1);
@@ -250,7 +253,8 @@ void CellFragments::add(const SvbspTree& tree, PieceId piece, std::uint32_t plac
   const FragmentId id{cell_.value(), piece.value(), place};
   block_->fragments.push_back(
       {id, face, facet.value(), state.caster(), first, count, state.is_lit(), area});
-  records_.push_back({none, none, none, none, update_, not_yet});
+  records_.push_back(
+      {invalid_index, invalid_index, invalid_index, invalid_index, update_, not_yet});
   link(static_cast<std::uint32_t>(records_.size() - 1), id);
   SHADOWCUT_ASSERT(find(id) == records_.size() - 1);
   born_.push_back(id);
@@ -258,14 +262,15 @@ void CellFragments::add(const SvbspTree& tree, PieceId piece, std::uint32_t plac
 }
 
 std::uint32_t CellFragments::find(FragmentId id) const {
-  if (id.piece >= of_piece_.size()) return none;
-  if (id.place == none) {
+  if (id.piece >= of_piece_.size()) return invalid_index;
+  if (id.place == invalid_index) {
     const std::uint32_t f = of_piece_[id.piece];
-    return f != none && block_->fragments[f].id.place == none ? f : none;
+    return f != invalid_index && block_->fragments[f].id.place == invalid_index ? f : invalid_index;
   }
-  if (id.place >= at_place_.size()) return none;
+  if (id.place >= at_place_.size()) return invalid_index;
   std::uint32_t f = at_place_[id.place];
-  while (f != none && block_->fragments[f].id.piece != id.piece) f = records_[f].at_place_next;
+  while (f != invalid_index && block_->fragments[f].id.piece != id.piece)
+    f = records_[f].at_place_next;
   return f;
 }
 
@@ -273,7 +278,8 @@ std::uint32_t CellFragments::find(FragmentId id) const {
 void CellFragments::list_added(std::vector<LightChanges::Added>& out) {
   for (const FragmentId& id : born_) {
     const std::uint32_t f = find(id);
-    if (f == none || records_[f].born != update_ || records_[f].listed == update_) continue;
+    if (f == invalid_index || records_[f].born != update_ || records_[f].listed == update_)
+      continue;
     SHADOWCUT_ASSERT(block_->fragments[f].id == id);
     records_[f].listed = update_;
     out.push_back({id, f});

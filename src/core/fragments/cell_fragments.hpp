@@ -72,7 +72,7 @@ class CellFragments {
   void drop(std::uint32_t fragment);
   void drop_below(const SvbspTree& tree, Place place);
   void drop_all_at(std::uint32_t& head) {
-    while (head != none) drop(head);
+    while (head != invalid_index) drop(head);
   }
   void link(std::uint32_t fragment, const FragmentId& id);
   void relink(std::uint32_t fragment, const FragmentId& id);

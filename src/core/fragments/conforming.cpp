@@ -37,7 +37,7 @@ struct Insertion {  // behind which corner of which fragment
 
 FaceLine key_of(const Scene& scene, std::uint32_t facet, std::uint64_t line) {
   for (const Corner& c : scene.corners_of(scene.facets()[facet])) {
-    if (c.edge >> 1 == line) return {line, none};
+    if (c.edge >> 1 == line) return {line, invalid_index};
   }
   return {line, scene.facets()[facet].plane};
 }

@@ -70,7 +70,7 @@ class FragmentEmitter {
     if (!piece.is_in_front()) {
       const BranchState state =
           piece.kind == Piece::Kind::at_leaf ? BranchState::lit() : shadow_of(tree_, piece.node());
-      return sink_.add(id, none, state, tree_.pieces.corners(piece));
+      return sink_.add(id, invalid_index, state, tree_.pieces.corners(piece));
     }
     const Place front(piece.node(), 0);
     const BranchState state = states_.of(tree_, tree_.branch(front));

@@ -101,7 +101,7 @@ class CellErrorBound {
     const PlaneRay& ray = plane_ray(facet);
     const bool by_corners = facet == cone.facet && area_from_corners(context_, facet);
     const auto is_vertex = [by_corners](const ConeCorner& c) {
-      return c.vertex != none && by_corners;
+      return c.vertex != invalid_index && by_corners;
     };
     const auto at = [&](const ConeCorner& c) {
       return is_vertex(c) ? context_.scene.vertices()[c.vertex] : context_.space.back(c.r, ray.q);

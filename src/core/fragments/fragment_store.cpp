@@ -25,7 +25,7 @@ void FragmentStore::emit_incremental(std::uint32_t update) {
     cells_[c].start(grid_[CellId(c)], context_, workspaces_.local(), blocks_[c], update);
   });
   const std::size_t facets = context_.scene.facets().size();
-  away_.assign(facets, none);
+  away_.assign(facets, invalid_index);
   away_born_.assign(facets, update);
   CellOutput out;
   emit_all_away(out);
@@ -66,8 +66,8 @@ Fragment FragmentStore::emit_away(FacetId id, std::uint32_t first_corner, Block&
     if (context_.constructions) block.constructions[at] = {{}, {}, c.vertex};
     ++at;
   }
-  const FragmentId fragment{static_cast<std::uint32_t>(grid_.size()), id.value(), none};
-  return {fragment,     facet.face,         id.value(), none,
+  const FragmentId fragment{static_cast<std::uint32_t>(grid_.size()), id.value(), invalid_index};
+  return {fragment,     facet.face,         id.value(), invalid_index,
           first_corner, facet.corner_count, false,      area_of_facet(context_, id, false)};
 }
 
@@ -87,7 +87,7 @@ void FragmentStore::emit_all_away(CellOutput& out) const {
 }
 
 void FragmentStore::grow(std::size_t facets) {
-  if (away_.size() < facets) away_.resize(facets, none), away_born_.resize(facets, 0u);
+  if (away_.size() < facets) away_.resize(facets, invalid_index), away_born_.resize(facets, 0u);
 }
 
 bool FragmentStore::add_away(FacetId facet, std::uint32_t update, AreaChange& change) {
@@ -97,7 +97,7 @@ bool FragmentStore::add_away(FacetId facet, std::uint32_t update, AreaChange& ch
       away_corners_.take(block.corners, context_.tables.facet(facet).corner_count);
   if (context_.constructions) block.constructions.resize(block.corners.size());
   const Fragment f = emit_away(facet, first, block);
-  SHADOWCUT_ASSERT(away_[facet.value()] == none);
+  SHADOWCUT_ASSERT(away_[facet.value()] == invalid_index);
   away_[facet.value()] = static_cast<std::uint32_t>(block.fragments.size());
   away_born_[facet.value()] = update;
   block.fragments.push_back(f);
@@ -107,7 +107,7 @@ bool FragmentStore::add_away(FacetId facet, std::uint32_t update, AreaChange& ch
 }
 
 bool FragmentStore::remove_away(FacetId facet, std::uint32_t update, AreaChange& change) {
-  if (!incremental_ || away_[facet.value()] == none) return false;
+  if (!incremental_ || away_[facet.value()] == invalid_index) return false;
   Block& block = blocks_.back();
   const std::uint32_t index = away_[facet.value()];
   const Fragment f = block.fragments[index];
@@ -118,7 +118,7 @@ bool FragmentStore::remove_away(FacetId facet, std::uint32_t update, AreaChange&
   block.fragments[index] = block.fragments.back();
   away_[block.fragments[index].facet] = index;
   block.fragments.pop_back();
-  away_[facet.value()] = none;
+  away_[facet.value()] = invalid_index;
   return true;
 }
 
@@ -163,7 +163,7 @@ void FragmentStore::list_changes(std::span<const CellId> touched, LightChanges& 
   }
   sort_unique(away_added_);
   for (const FragmentId& id : away_added_) {
-    if (away_[id.piece] != none) changes.added.push_back({id, away_[id.piece]});
+    if (away_[id.piece] != invalid_index) changes.added.push_back({id, away_[id.piece]});
   }
 }
 
@@ -232,13 +232,13 @@ const Fragment* FragmentStore::find(FragmentId id) const {
                                 [&](const Fragment& g) { return g.id == id; });
     return f == fragments.end() ? nullptr : &*f;
   }
-  std::uint32_t i = none;
+  std::uint32_t i = invalid_index;
   if (id.cell < cells_.size()) {
     i = cells_[id.cell].find(id);
-  } else if (id.place == none && id.piece < away_.size()) {
+  } else if (id.place == invalid_index && id.piece < away_.size()) {
     i = away_[id.piece];
   }
-  return i == none ? nullptr : &fragments[i];
+  return i == invalid_index ? nullptr : &fragments[i];
 }
 
 std::uint64_t FragmentStore::bytes(CellId cell) const {

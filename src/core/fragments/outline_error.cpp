@@ -85,8 +85,8 @@ double OutlineError::thickness_left_out(std::vector<double>& uncertain) const {
     if (front == 0 || (front < 0 && object.sides == Sides::closed &&
                        !context_.visibility.light_is_inside(object, context_.light)))
       continue;
-    if (object.receives) uncertain[facet.face] += most_area(id);
-    if (object.casts) thickness += thickness_of(id);
+    if (object.receives_shadows) uncertain[facet.face] += most_area(id);
+    if (object.casts_shadows) thickness += thickness_of(id);
   }
   return thickness;
 }

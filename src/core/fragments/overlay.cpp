@@ -160,7 +160,7 @@ class LightQuery {
 // Fragments of one or more lights so far, and their corners. front_order: whether the corners run
 // counter-clockwise seen from the facet's front.
 struct Partition {
-  LightSets sets;
+  LightPartition sets;
   std::vector<std::uint8_t> front_order;
 
   void add(std::uint32_t face, std::uint32_t facet, std::span<const std::uint64_t> lights,
@@ -175,7 +175,7 @@ struct Partition {
   }
   void append(const Partition& other) {
     const auto offset = static_cast<std::uint32_t>(sets.corners.size());
-    for (LightSets::Fragment f : other.sets.fragments) {
+    for (LightPartition::Fragment f : other.sets.fragments) {
       f.first_corner += offset;
       sets.fragments.push_back(f);
     }
@@ -211,7 +211,7 @@ Partition first_partition(const LightView& light, std::size_t number, std::size_
 void cut_by(const LightView& light, std::size_t number, const Partition& in, std::size_t i,
             LightQuery& query, std::vector<Answer>& answers, Workspace& w, Partition& out) {
   const EmissionContext& context = light.context;
-  const LightSets::Fragment& f = in.sets.fragments[i];
+  const LightPartition::Fragment& f = in.sets.fragments[i];
   const FacetId facet(f.facet);
   const std::span<const std::uint64_t> before(in.sets.lights.data() + i * in.sets.words,
                                               in.sets.words);
@@ -227,8 +227,9 @@ void cut_by(const LightView& light, std::size_t number, const Partition& in, std
       out.add(f.face, f.facet, set, in.front_order[i]);
       for (std::uint32_t k = 0; k < a.cone->count; ++k) {
         const ConeCorner& c = a.cone->corners()[flip ? a.cone->count - 1 - k : k];
-        out.corner(c.vertex != none ? corners[c.vertex]
-                                    : context.space.back(c.r, context.tables.plane_ray(facet).q));
+        out.corner(c.vertex != invalid_index
+                       ? corners[c.vertex]
+                       : context.space.back(c.r, context.tables.plane_ray(facet).q));
       }
       w.pool.give_back(a.cone);
     }
@@ -260,7 +261,8 @@ Partition cut_all_by(const LightView& light, std::size_t number, const Partition
 
 }  // namespace
 
-LightSets overlay(const std::vector<const LightView*>& lights, const std::vector<bool>* faces) {
+LightPartition overlay(const std::vector<const LightView*>& lights,
+                       const std::vector<bool>* faces) {
   const auto first = std::find_if(lights.begin(), lights.end(),
                                   [](const LightView* light) { return light != nullptr; });
   if (first == lights.end()) return {};

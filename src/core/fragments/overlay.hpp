@@ -17,6 +17,6 @@ struct LightView {
 
 // Cuts the first light's fragments by the second light's trees, and so on (CS95, section 4). A null
 // stands for a light that has been removed. `faces`, where it is given, chooses whose fragments.
-LightSets overlay(const std::vector<const LightView*>& lights, const std::vector<bool>* faces);
+LightPartition overlay(const std::vector<const LightView*>& lights, const std::vector<bool>* faces);
 
 }  // namespace shadowcut

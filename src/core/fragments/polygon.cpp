@@ -51,17 +51,17 @@ double place_exactly(const EmissionContext& context, const CellPredicates& predi
   const auto own = context.scene.corners_of(context.tables.facet(facet));
   // A corner where two edges of one of the facet's own vertices meet is that vertex.
   const auto vertex = [&](std::uint32_t i) {
-    if (cone[i].vertex != none) return cone[i].vertex;
+    if (cone[i].vertex != invalid_index) return cone[i].vertex;
     const std::uint32_t v = predicates.shared_vertex(incoming(cone, i), cone[i].edge);
     return std::any_of(own.begin(), own.end(), [v](const Corner& c) { return c.vertex == v; })
                ? v
-               : none;
+               : invalid_index;
   };
   const auto at = [&](std::uint32_t i) { return predicates.point(cone, i, facet, points); };
   for (std::uint32_t k = 0; k < count; ++k) {
     const std::uint32_t i = reversed ? count - 1 - k : k;
     const std::uint32_t v = vertex(i);
-    out[k] = v == none ? at(i) : context.scene.vertices()[v];
+    out[k] = v == invalid_index ? at(i) : context.scene.vertices()[v];
   }
   const bool will_do = area_from_corners(context, facet);
   AreaSum sum(will_do ? out[0] : at(0));
@@ -84,7 +84,7 @@ double place_polygon(const EmissionContext& context, const CellPredicates& predi
   if (will_do) {
     for (std::size_t k = 0; k < count; ++k) {
       const ConeCorner& c = cone[reversed ? count - 1 - k : k];
-      out[k] = c.vertex == none ? context.space.back(c.r, q) : vertices[c.vertex];
+      out[k] = c.vertex == invalid_index ? context.space.back(c.r, q) : vertices[c.vertex];
     }
     AreaSum sum(out[0]);
     for (std::size_t k = 1; k < count; ++k) sum.add(out[k]);
@@ -96,7 +96,7 @@ double place_polygon(const EmissionContext& context, const CellPredicates& predi
   };
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint32_t v = cone[reversed ? count - 1 - k : k].vertex;
-    out[k] = v == none ? at(k) : vertices[v];
+    out[k] = v == invalid_index ? at(k) : vertices[v];
   }
   AreaSum sum(will_do ? out[0] : at(0));
   for (std::size_t k = 1; k < count; ++k) sum.add(will_do ? out[k] : at(k));
@@ -137,12 +137,12 @@ bool is_below_min_feature(const EmissionContext& context, FacetId facet,
                           double area) {
   const MinFeature& least = context.min_feature;
   if (least.keeps_all()) return false;
-  const bool is_whole =
-      cone.size() == context.tables.facet(facet).corner_count &&
-      std::all_of(cone.begin(), cone.end(), [](const ConeCorner& c) { return c.vertex != none; });
+  const bool is_whole = cone.size() == context.tables.facet(facet).corner_count &&
+                        std::all_of(cone.begin(), cone.end(),
+                                    [](const ConeCorner& c) { return c.vertex != invalid_index; });
   if (is_whole) return false;
-  return area < least.area ||
-         (least.solid_angle > 0 && solid_angle(corners, context.light.at) < least.solid_angle);
+  return area < least.area || (least.solid_angle > 0 &&
+                               solid_angle(corners, context.light.position) < least.solid_angle);
 }
 
 }  // namespace shadowcut

@@ -23,7 +23,9 @@ struct EmissionContext {
 
   bool merges() const { return form != Form::pieces; }
   bool keeps_lines() const { return form == Form::conforming; }
-  bool receives(FacetId facet) const { return scene.objects()[tables.object_of(facet)].receives; }
+  bool receives(FacetId facet) const {
+    return scene.objects()[tables.object_of(facet)].receives_shadows;
+  }
 };
 
 // The area of a polygon given corner by corner, as its part along the plane's normal: linear in the

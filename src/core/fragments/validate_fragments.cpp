@@ -34,7 +34,7 @@ std::string check_states(const SvbspTree& tree, const EmissionContext& context,
 // above it is. Writes into `problem` when that does not hold.
 BranchState state_in_front(const SvbspTree& tree, const BranchStates& states, const Piece& piece,
                            std::uint32_t at, const char*& problem) {
-  if (at == none) {
+  if (at == invalid_index) {
     problem = "a fragment in front of a PP-node has no place";
     return BranchState::mixed();
   }
@@ -78,7 +78,7 @@ std::string CellFragments::validate(const SvbspTree& tree, const EmissionContext
     if (piece.is_in_front()) {
       state = state_in_front(tree, states_, piece, f.id.place, problem);
     } else {
-      if (f.id.place != none) problem = "a fragment away from all PP-nodes has a place";
+      if (f.id.place != invalid_index) problem = "a fragment away from all PP-nodes has a place";
       if (piece.kind == Piece::Kind::behind) state = shadow_of(tree, piece.node());
     }
     if (problem) return message(problem, i);

@@ -59,12 +59,12 @@ bool within_range(const Scene& scene, const Face& face, const Light& light) {
   const auto facets = scene.facets().subspan(face.first_facet, face.facet_count);
   const bool in_range =
       !std::isfinite(light.range) || std::any_of(facets.begin(), facets.end(), [&](const Facet& f) {
-        return distance_to_facet(scene, f, light.at) <= light.range;
+        return distance_to_facet(scene, f, light.position) <= light.range;
       });
   if (!in_range || !light.spot) return in_range;
   const Vec3 axis = light.spot->axis.stableNormalized();
   return std::any_of(facets.begin(), facets.end(), [&](const Facet& f) {
-    return angle_to_facet(scene, f, light.at, axis) <= light.spot->half_angle;
+    return angle_to_facet(scene, f, light.position, axis) <= light.spot->half_angle;
   });
 }
 

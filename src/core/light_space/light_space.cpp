@@ -19,9 +19,10 @@ LightSpace::LightSpace(const Light& light, const Eigen::AlignedBox3d& box) {
   const Vec3 middle = box.isEmpty() ? Vec3::Zero().eval() : Vec3(box.min() / 2 + box.max() / 2);
   const double radius = box.isEmpty() ? 1.0 : std::max((box.max() - middle).stableNorm(), 1e-300);
   const bool directional = light.kind == Light::Kind::directional;
-  const Vec3 d = directional ? light.at.stableNormalized().eval() : Vec3(middle - light.at);
+  const Vec3 d =
+      directional ? light.direction.stableNormalized().eval() : Vec3(middle - light.position);
   far_ = directional || d.stableNorm() > far_radii * radius;
-  center_ = far_ ? middle : light.at;
+  center_ = far_ ? middle : light.position;
   int exponent;
   std::frexp(far_ ? radius : std::max(radius, d.stableNorm()), &exponent);
   scale_ = std::ldexp(1.0, exponent), inverse_scale_ = std::ldexp(1.0, -exponent);
@@ -86,8 +87,8 @@ Line LightSpace::line(const Vec3& a, const Vec3& b) const {
       r_length * e_error + e_length * from.error + 4 * unit_roundoff * r_length * e_length;
   return {{n[0] / length, n[1] / length, n[2] / length},
           up(error / length + 2 * unit_roundoff),
-          none,
-          none};
+          invalid_index,
+          invalid_index};
 }
 
 // The signed distance of the light from the plane, to a positive factor: positive when the front

@@ -34,13 +34,13 @@ namespace shadowcut {
 struct Line {
   double n[3];
   float error;
-  std::uint32_t a = none, b = none;  // of an edge: its vertices, whose rays are on the line
+  std::uint32_t a = invalid_index, b = invalid_index;  // of an edge: its vertices, whose rays are on it
 };
 
 // The vertex in whose ray the lines of two edges meet; none if the edges share no vertex.
 inline std::uint32_t shared_vertex(const Line& l, const Line& m) {
-  if (l.a == none || m.a == none) return none;
-  return l.a == m.a || l.a == m.b ? l.a : l.b == m.a || l.b == m.b ? l.b : none;
+  if (l.a == invalid_index || m.a == invalid_index) return invalid_index;
+  return l.a == m.a || l.a == m.b ? l.a : l.b == m.a || l.b == m.b ? l.b : invalid_index;
 }
 
 // The plane of a face in light space.

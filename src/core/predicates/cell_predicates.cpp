@@ -20,7 +20,8 @@ LightLine CellPredicates::exact(LineId id) const {
 }
 
 std::uint32_t CellPredicates::shared_vertex(EdgeRef a, EdgeRef b) const {
-  return a.line() == b.line() ? none : shadowcut::shared_vertex(line(a.line()), line(b.line()));
+  return a.line() == b.line() ? invalid_index
+                              : shadowcut::shared_vertex(line(a.line()), line(b.line()));
 }
 
 void CellPredicates::hold(std::span<const ConeCorner> cone, std::uint32_t i, FacetId facet,
@@ -28,12 +29,12 @@ void CellPredicates::hold(std::span<const ConeCorner> cone, std::uint32_t i, Fac
   SHADOWCUT_ASSERT(i < cone.size());
   const EdgeRef in = incoming(cone, i), out = cone[i].edge;
   held.corner = {nullptr, false, &held.in, &held.out, in.negative(), out.negative()};
-  if (cone[i].vertex != none) {
+  if (cone[i].vertex != invalid_index) {
     held.corner.vertex = &tables_.vertices[cone[i].vertex];
     return;
   }
   // Two edges of one vertex meet in its ray, or in the opposite one: where the facet's plane is.
-  if (const std::uint32_t v = shared_vertex(in, out); v != none) {
+  if (const std::uint32_t v = shared_vertex(in, out); v != invalid_index) {
     held.corner.vertex = &tables_.vertices[v];
     held.corner.opposite = ahead(facet, v) < 0;
     return;
@@ -45,9 +46,10 @@ int CellPredicates::side(std::span<const ConeCorner> cone, std::uint32_t i, Face
                          LineId line, SignCounts& counts) const {
   const EdgeRef in = incoming(cone, i), out = cone[i].edge;
   const Line& l = this->line(line);
-  const std::uint32_t vertex = cone[i].vertex != none ? cone[i].vertex : shared_vertex(in, out);
+  const std::uint32_t vertex =
+      cone[i].vertex != invalid_index ? cone[i].vertex : shared_vertex(in, out);
   if (in.line() == line || out.line() == line ||
-      (vertex != none && (l.a == vertex || l.b == vertex))) {
+      (vertex != invalid_index && (l.a == vertex || l.b == vertex))) {
     ++counts.by_identity;
     return 0;
   }
@@ -108,9 +110,9 @@ Vec3 CellPredicates::point(std::span<const ConeCorner> cone, std::uint32_t i, Fa
     hold(cone, i, facet, held);
     return exact_->point(tables_.scene_planes[plane], held.corner);
   };
-  return cone[i].vertex != none ? make()
-                                : cache.get(plane, incoming(cone, i).line().value(),
-                                            cone[i].edge.line().value(), make);
+  return cone[i].vertex != invalid_index ? make()
+                                         : cache.get(plane, incoming(cone, i).line().value(),
+                                                     cone[i].edge.line().value(), make);
 }
 
 Construction CellPredicates::construction(std::span<const ConeCorner> cone, std::uint32_t i) const {

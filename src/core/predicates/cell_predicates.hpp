@@ -34,7 +34,7 @@ class PointCache {
   template <class Make>
   Vec3 get(std::uint32_t plane, std::uint32_t in, std::uint32_t out, const Make& make) {
     if (in > out) std::swap(in, out);
-    SHADOWCUT_ASSERT(in != none && out != none);
+    SHADOWCUT_ASSERT(in != invalid_index && out != invalid_index);
     if (slots_.empty()) slots_.resize(std::size_t{1} << bits);
     Slot& slot =
         slots_[(in * 0x9E3779B1u ^ out * 0x85EBCA77u ^ plane * 0xC2B2AE3Du) >> (32 - bits)];
@@ -48,7 +48,7 @@ class PointCache {
   struct Slot {
     Vec3 point;
     std::uint64_t generation = 0;
-    std::uint32_t plane = none, in = none, out = none;
+    std::uint32_t plane = invalid_index, in = invalid_index, out = invalid_index;
   };
   std::vector<Slot> slots_;  // empty until the first get()
   std::uint64_t generation_ = 1;

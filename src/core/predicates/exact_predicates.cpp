@@ -143,7 +143,9 @@ bool crosses(const ExactCorner& c) { return !c.vertex && (c.in->crossing || c.ou
 }  // namespace
 
 ExactPredicates::ExactPredicates(const Light& light, const LightSpace& space)
-    : point_(light.kind == Light::Kind::point), light_(light.at), frame_(space.frame()) {
+    : point_(light.kind == Light::Kind::point),
+      light_(point_ ? light.position : light.direction),
+      frame_(space.frame()) {
   for (std::size_t i = 0; i < 3; ++i) axis_[i] = point_ ? static_cast<int>(i) : frame_.axis[i];
   if (point_) {
     unit_ = 1 / frame_.scale;

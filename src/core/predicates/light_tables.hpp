@@ -41,7 +41,7 @@ struct LightTables {
   }
   FaceId face_of(FacetId id) const { return FaceId(facet(id).face); }
   std::uint32_t object_of(FacetId id) const { return faces[facet(id).face].object; }
-  bool casts(FacetId id) const { return objects[object_of(id)].casts; }
+  bool casts(FacetId id) const { return objects[object_of(id)].casts_shadows; }
   std::uint32_t plane_index(FacetId id) const { return facet(id).plane; }
   const PlaneRay& plane_ray(FacetId id) const {
     SHADOWCUT_ASSERT(plane_index(id) < planes.size());

@@ -23,8 +23,8 @@ LineId LineTable::add_kd_line(const Line& line) {
 void LineTable::start_blocks(std::span<const Object> objects) {
   blocks_.clear();
   free_blocks_.clear();
-  block_of_object_.assign(objects.size(), none);
-  block_of_line_.assign(lines_.size(), none);
+  block_of_object_.assign(objects.size(), invalid_index);
+  block_of_line_.assign(lines_.size(), invalid_index);
   for (std::uint32_t o = 0; o < objects.size(); ++o) {
     const Object& object = objects[o];
     if (!object.alive) continue;
@@ -37,7 +37,7 @@ void LineTable::start_blocks(std::span<const Object> objects) {
 
 void LineTable::grow(std::size_t objects) {
   if (shift_.size() < objects) shift_.resize(objects, 0u);
-  if (block_of_object_.size() < objects) block_of_object_.resize(objects, none);
+  if (block_of_object_.size() < objects) block_of_object_.resize(objects, invalid_index);
 }
 
 void LineTable::count_plane(LineId line, bool kept) {
@@ -55,29 +55,29 @@ void LineTable::count_plane(LineId line, bool kept) {
 void LineTable::leave_block(std::uint32_t object) {
   if (object >= block_of_object_.size()) return;
   const std::uint32_t b = block_of_object_[object];
-  if (b == none || blocks_[b].planes == 0) return;
+  if (b == invalid_index || blocks_[b].planes == 0) return;
   Block& block = blocks_[b];
   block.left = true;
   // The vertices of these lines are going to move: the lines no longer name them.
   for (std::uint32_t id = block.first; id < block.first + block.count; ++id)
-    lines_[id].a = lines_[id].b = none;
-  block_of_object_[object] = none;
+    lines_[id].a = lines_[id].b = invalid_index;
+  block_of_object_[object] = invalid_index;
 }
 
 void LineTable::give_block_back(std::uint32_t object) {
   const std::uint32_t b = block_of_object_[object];
-  if (b == none) return;
+  if (b == invalid_index) return;
   SHADOWCUT_ASSERT(blocks_[b].planes == 0);
   free_blocks_.emplace(blocks_[b].count, b);
-  block_of_object_[object] = none;
+  block_of_object_[object] = invalid_index;
 }
 
 void LineTable::take_block(std::uint32_t o, const Object& object) {
   if (const std::uint32_t b = block_of_object_[o];
-      b != none && blocks_[b].count < object.edge_count)
+      b != invalid_index && blocks_[b].count < object.edge_count)
     give_block_back(o);
   std::uint32_t& b = block_of_object_[o];
-  if (b == none) {
+  if (b == invalid_index) {
     const auto fit = free_blocks_.lower_bound(object.edge_count);
     if (fit != free_blocks_.end()) {
       b = fit->second;

@@ -78,7 +78,7 @@ class Grouping {
 
   std::vector<Membership> run() {
     std::vector<Membership> out(patches_.size());
-    leaf_of_.assign(patches_.size(), none);
+    leaf_of_.assign(patches_.size(), invalid_index);
     for (std::uint32_t i = 0; i < out.size(); ++i) {
       out[i] = {i, false};
       measures_.push_back(measure(figure_, patches_[i], unit_));
@@ -95,9 +95,9 @@ class Grouping {
     std::stable_sort(order.begin(), order.end(), [this](std::uint32_t a, std::uint32_t b) {
       return measures_[a].area > measures_[b].area;
     });
-    build(0, static_cast<std::uint32_t>(items_.size()), none);
+    build(0, static_cast<std::uint32_t>(items_.size()), invalid_index);
     for (const std::uint32_t leader : order) {
-      if (leaf_of_[leader] == none) continue;
+      if (leaf_of_[leader] == invalid_index) continue;
       settle(leader);
       take(leader, out);
     }
@@ -122,7 +122,8 @@ class Grouping {
     double radius = 0, thickness = 0;     // of all corners about the middle; and along the axis
     double doubt = 0, reach = 0;          // the largest
     std::uint32_t first, end;             // items
-    std::uint32_t parent, second = none;  // the first child follows its parent; none: a leaf
+    std::uint32_t parent,
+        second = invalid_index;           // the first child follows its parent; none: a leaf
     std::uint32_t waiting;                // items that have no leader yet
   };
 
@@ -216,8 +217,9 @@ class Grouping {
   }
 
   void settle(std::uint32_t patch) {
-    for (std::uint32_t n = leaf_of_[patch]; n != none; n = nodes_[n].parent) --nodes_[n].waiting;
-    leaf_of_[patch] = none;
+    for (std::uint32_t n = leaf_of_[patch]; n != invalid_index; n = nodes_[n].parent)
+      --nodes_[n].waiting;
+    leaf_of_[patch] = invalid_index;
   }
 
   // Gives a leader all that wait and lie in its plane.
@@ -231,7 +233,7 @@ class Grouping {
       pending_.pop_back();
       const Node& node = nodes_[id];
       if (node.waiting == 0 || passes_by(n, foot, node)) continue;
-      if (node.second != none) {
+      if (node.second != invalid_index) {
         pending_.push_back(node.second);
         pending_.push_back(id + 1);
         continue;
@@ -241,7 +243,7 @@ class Grouping {
         if (std::abs(n.dot(item.middle - foot)) >
             item.reach + item.thickness + item.doubt * item.radius + slack)
           continue;
-        if (leaf_of_[item.patch] == none || !lies_in(item, n, point)) continue;
+        if (leaf_of_[item.patch] == invalid_index || !lies_in(item, n, point)) continue;
         settle(item.patch);
         out[item.patch] = {leader, n.dot(measures_[item.patch].normal) < 0};
       }

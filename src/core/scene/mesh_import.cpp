@@ -1,7 +1,7 @@
-// The door: everything that enters a scene is welded, checked and cut into convex facets here,
-// once.
-
 #include "scene/mesh_import.hpp"
+
+#include <tsl/robin_map.h>
+#include <tsl/robin_set.h>
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -15,16 +15,92 @@
 #include "numbers/error_free.hpp"
 #include "scene/convex_decomposition.hpp"
 #include "scene/coplanar_groups.hpp"
-#include "scene/id_table.hpp"
+#include "support/hash.hpp"
 
 namespace shadowcut {
 namespace {
 
-std::uint64_t hash_position(const Vec3& v) {
-  std::uint64_t bits[3];
-  std::memcpy(bits, v.data(), sizeof bits);
-  return mix(bits[0] + mix(bits[1] + mix(bits[2])));
-}
+struct PositionHash {
+  std::size_t operator()(const Vec3& v) const {
+    std::uint64_t bits[3];
+    std::memcpy(bits, v.data(), sizeof bits);
+    return mix(bits[0] + mix(bits[1] + mix(bits[2])));
+  }
+};
+
+// Positions by their indices into an array of distinct positions.
+class PositionSet {
+ public:
+  PositionSet(const std::vector<Vec3>& positions, std::size_t expected)
+      : indices_(0, Hash{&positions}, Equal{&positions}) {
+    indices_.reserve(expected);
+  }
+  // Enters position i. Returns i, or the index of an equal position entered before.
+  std::uint32_t enter(std::uint32_t i) { return *indices_.insert(i).first; }
+
+ private:
+  struct Hash {
+    const std::vector<Vec3>* positions;
+    std::size_t operator()(std::uint32_t i) const { return PositionHash()((*positions)[i]); }
+  };
+  struct Equal {
+    const std::vector<Vec3>* positions;
+    bool operator()(std::uint32_t i, std::uint32_t j) const {
+      return (*positions)[i] == (*positions)[j];
+    }
+  };
+  tsl::robin_set<std::uint32_t, Hash, Equal> indices_;
+};
+
+// The outlines of the faces kept so far, to find duplicates. Outlines are numbered from 0.
+class OutlineSet {
+ public:
+  explicit OutlineSet(std::size_t expected) : known_(0, Hash{this}, Equal{this}) {
+    known_.reserve(expected);
+  }
+  OutlineSet(const OutlineSet&) = delete;  // the table refers to it
+  OutlineSet& operator=(const OutlineSet&) = delete;
+
+  // Enters the outline of a face; false if there is an equal one. Each loop is turned to begin with
+  // its smallest corner.
+  bool enter(std::span<const Loop> loops) {
+    const std::size_t begin = corners_.size();
+    for (const Loop& l : loops) {
+      const auto smallest =
+          static_cast<std::size_t>(std::min_element(l.begin(), l.end()) - l.begin());
+      for (std::size_t i = 0; i < l.size(); ++i) corners_.push_back(l[(smallest + i) % l.size()]);
+    }
+    std::uint64_t hash = loops.size();
+    for (std::size_t i = begin; i < corners_.size(); ++i) hash = mix(hash + corners_[i]);
+    hashes_.push_back(hash);
+    begins_.push_back(corners_.size());
+    if (known_.insert(static_cast<std::uint32_t>(hashes_.size() - 1)).second) return true;
+    hashes_.pop_back(), begins_.pop_back();
+    corners_.resize(begin);
+    return false;
+  }
+
+ private:
+  struct Hash {
+    const OutlineSet* set;
+    std::size_t operator()(std::uint32_t i) const { return set->hashes_[i]; }
+  };
+  struct Equal {
+    const OutlineSet* set;
+    bool operator()(std::uint32_t i, std::uint32_t j) const {
+      const auto a = set->outline(i), b = set->outline(j);
+      return std::equal(a.begin(), a.end(), b.begin(), b.end());
+    }
+  };
+  std::span<const std::uint32_t> outline(std::uint32_t i) const {
+    return std::span(corners_).subspan(begins_[i], begins_[i + 1] - begins_[i]);
+  }
+
+  std::vector<std::uint32_t> corners_;
+  std::vector<std::size_t> begins_{0};  // into corners_; one more than outlines
+  std::vector<std::uint64_t> hashes_;   // by outline
+  tsl::robin_set<std::uint32_t, Hash, Equal> known_;
+};
 
 // The plane through a loop's first corner with Newell's normal. The arithmetic is on differences
 // from that corner, scaled to size one, so that neither a far-away face nor a huge or tiny one
@@ -99,79 +175,48 @@ Vec2 flattened(const Vec3& v, const Vec3& normal) {
   return {v[(drop + 1) % 3] * (normal[drop] > 0 ? 1 : -1), v[(drop + 2) % 3]};
 }
 
-class Door {
+class MeshImporter : private ImportedMesh {
  public:
-  Door(const Mesh& mesh, const Pose& pose, const Tolerances& tolerances)
+  MeshImporter(const Mesh& mesh, const Pose& pose, const Tolerances& tolerances)
       : mesh_(mesh), pose_(pose), tolerances_(tolerances) {
     mirrored_ = pose.linear().determinant() < 0;
     weld();
   }
 
-  Admitted run() {
-    IdTable edge_ids(mesh_.face_count() * 2);
-    IdTable known(mesh_.face_count());
-    std::vector<std::uint64_t> hashes;  // by kept outline
-    // kept outlines, each turned to begin with its smallest corner
-    std::vector<std::uint32_t> outline_begin{0}, cycle;
+  ImportedMesh run() {
+    edge_ids_.reserve(mesh_.face_count() * 2);
+    OutlineSet outlines(mesh_.face_count());
     for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
       Face face{0, f, static_cast<std::uint32_t>(facets.size()), 0, 0.0};
       if (take_loops(f)) {
-        const std::size_t begin = cycle.size();
-        for (const Loop& l : loops_) {
-          const auto smallest = std::min_element(l.begin(), l.end()) - l.begin();
-          for (std::size_t i = 0; i < l.size(); ++i)
-            cycle.push_back(l[(static_cast<std::size_t>(smallest) + i) % l.size()]);
-        }
-        std::uint64_t hash = loops_.size();
-        for (std::size_t i = begin; i < cycle.size(); ++i) hash = mix(hash + cycle[i]);
-        const auto next = static_cast<std::uint32_t>(hashes.size());
-        const auto same = [&](std::uint32_t id) {
-          return std::equal(cycle.begin() + outline_begin[id],
-                            cycle.begin() + outline_begin[id + 1],
-                            cycle.begin() + static_cast<std::ptrdiff_t>(begin), cycle.end());
-        };
-        if (known.find_or_add(hash, next, same, [&](std::uint32_t id) { return hashes[id]; }) !=
-            next) {
-          report(f, Reason::duplicate);
-          cycle.resize(begin);
-        } else {
-          hashes.push_back(hash);
-          outline_begin.push_back(static_cast<std::uint32_t>(cycle.size()));
-          cut(f, face, edge_ids);
-        }
+        if (outlines.enter(loops_)) cut(f, face);
+        else report(f, Reason::duplicate);
       }
       faces.push_back(face);
-      if (face.facet_count) {
-        note_connectivity(edge_ids);
-      } else {
-        outline_face_.push_back(none);
-      }
+      if (face.facet_count) note_connectivity();
+      else outline_face_.push_back(invalid_index);
     }
     decide_sides();
     share_planes();
-    return {std::move(vertices), std::move(planes),     std::move(facets),  std::move(corners),
-            std::move(edges),    std::move(faces),      std::move(issues),  closed,
-            signed_volume,       std::move(vertex_of_), std::move(origins), aligned,
-            aligned_by};
+    return std::move(static_cast<ImportedMesh&>(*this));
   }
 
  private:
   void weld() {
     const std::size_t n = mesh_.vertices.size();
-    vertex_of_.resize(n);
-    IdTable table(n);
+    vertex_of.resize(n);
+    PositionSet known(vertices, n);
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3 v = world(pose_, mesh_.vertices[i]);
-      const auto next = static_cast<std::uint32_t>(vertices.size());
       if (!v.allFinite()) {
-        vertex_of_[i] = none;
+        vertex_of[i] = invalid_index;
         continue;
       }
-      const auto id = table.find_or_add(
-          hash_position(v), next, [&](std::uint32_t j) { return vertices[j] == v; },
-          [&](std::uint32_t j) { return hash_position(vertices[j]); });
-      if (id == next) vertices.push_back(v), local_.push_back(mesh_.vertices[i]);
-      vertex_of_[i] = id;
+      const auto next = static_cast<std::uint32_t>(vertices.size());
+      vertices.push_back(v);
+      vertex_of[i] = known.enter(next);
+      if (vertex_of[i] == next) local_.push_back(mesh_.vertices[i]);
+      else vertices.pop_back();
     }
   }
 
@@ -188,13 +233,13 @@ class Door {
       Loop& out = loops_[k];
       out.clear();
       for (const std::uint32_t i : mesh_.loop(f, k)) {
-        if (i >= vertex_of_.size())
+        if (i >= vertex_of.size())
           return report(f, Reason::index_out_of_range, "index " + std::to_string(i)), false;
-        if (vertex_of_[i] == none) return report(f, Reason::non_finite), false;
-        if (!out.empty() && out.back() == vertex_of_[i]) {
+        if (vertex_of[i] == invalid_index) return report(f, Reason::non_finite), false;
+        if (!out.empty() && out.back() == vertex_of[i]) {
           repeated = true;
         } else {
-          out.push_back(vertex_of_[i]);
+          out.push_back(vertex_of[i]);
         }
       }
       while (out.size() > 1 && out.front() == out.back()) out.pop_back(), repeated = true;
@@ -214,7 +259,7 @@ class Door {
   }
 
   // Cuts the figure in loops_ into facets of `face`.
-  void cut(std::uint32_t f, Face& face, IdTable& edge_ids) {
+  void cut(std::uint32_t f, Face& face) {
     const Fit whole = fit(loops_);
     if (!std::isfinite(whole.diameter) || !std::isfinite(whole.area))
       return report(f, Reason::non_finite, "its extent is not representable");
@@ -257,35 +302,32 @@ class Door {
       const Fit own = fit(std::span(&part, 1));
       if (own.zero) continue;  // a sliver that only rounding sees: it has no area to be lit
       if (!is_flat) planes.push_back(own.plane);
-      facets.push_back({0, static_cast<std::uint32_t>(planes.size() - 1),
+      facets.push_back({f, static_cast<std::uint32_t>(planes.size() - 1),
                         static_cast<std::uint32_t>(corners.size()),
                         static_cast<std::uint32_t>(part.size())});
       ++face.facet_count;
       face.area += own.area;
       for (std::size_t i = 0; i < part.size(); ++i)
-        corners.push_back({part[i], edge_id(edge_ids, part[i], part[(i + 1) % part.size()])});
+        corners.push_back({part[i], edge_id(part[i], part[(i + 1) % part.size()])});
     }
     if (face.facet_count == 0) report(f, Reason::zero_area);
   }
 
-  std::uint32_t edge_id(IdTable& table, std::uint32_t from, std::uint32_t to) {
+  std::uint32_t edge_id(std::uint32_t from, std::uint32_t to) {
     const Edge e{std::min(from, to), std::max(from, to)};
-    const auto hash = [](const Edge& k) { return mix((std::uint64_t{k.a} << 32) | k.b); };
-    const auto next = static_cast<std::uint32_t>(edges.size());
-    const auto id = table.find_or_add(
-        hash(e), next, [&](std::uint32_t i) { return edges[i].a == e.a && edges[i].b == e.b; },
-        [&](std::uint32_t i) { return hash(edges[i]); });
-    if (id == next) edges.push_back(e);
-    return (id << 1) | (from > to ? 1u : 0u);
+    const auto [found, fresh] = edge_ids_.try_emplace(std::uint64_t{e.a} << 32 | e.b,
+                                                      static_cast<std::uint32_t>(edges.size()));
+    if (fresh) edges.push_back(e);
+    return (found->second << 1) | (from > to ? 1u : 0u);
   }
 
   // The outline, not the facets, says what a face is joined to: cutting may have left out straight
   // corners.
-  void note_connectivity(IdTable& edge_ids) {
+  void note_connectivity() {
     outline_face_.push_back(static_cast<std::uint32_t>(outline_.size()));
     for (const Loop& l : loops_) {
       for (std::size_t i = 0; i < l.size(); ++i)
-        outline_.push_back(edge_id(edge_ids, l[i], l[(i + 1) % l.size()]));
+        outline_.push_back(edge_id(l[i], l[(i + 1) % l.size()]));
     }
   }
 
@@ -305,7 +347,8 @@ class Door {
   }
 
   void decide_sides() {
-    std::vector<std::uint32_t> forward(edges.size(), none), backward(edges.size(), none);
+    std::vector<std::uint32_t> forward(edges.size(), invalid_index),
+        backward(edges.size(), invalid_index);
     std::vector<std::uint32_t> part(faces.size());
     std::iota(part.begin(), part.end(), 0u);
     const auto find = [&](std::uint32_t i) {
@@ -314,24 +357,25 @@ class Door {
     };
     bool any = false;
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
-      if (outline_face_[f] == none) continue;
+      if (outline_face_[f] == invalid_index) continue;
       any = true;
       std::size_t end = outline_.size();
       for (std::uint32_t g = f + 1; g < faces.size(); ++g) {
-        if (outline_face_[g] != none) {
+        if (outline_face_[g] != invalid_index) {
           end = outline_face_[g];
           break;
         }
       }
       for (std::size_t i = outline_face_[f]; i < end; ++i) {
         auto& side = (outline_[i] & 1 ? backward : forward)[outline_[i] >> 1];
-        if (side != none) closed = false;
+        if (side != invalid_index) closed = false;
         side = f;
       }
     }
     for (std::size_t e = 0; e < edges.size(); ++e) {
-      if ((forward[e] == none) != (backward[e] == none)) closed = false;
-      if (forward[e] != none && backward[e] != none) part[find(forward[e])] = find(backward[e]);
+      if ((forward[e] == invalid_index) != (backward[e] == invalid_index)) closed = false;
+      if (forward[e] != invalid_index && backward[e] != invalid_index)
+        part[find(forward[e])] = find(backward[e]);
     }
     // Every part's volume, seen from a corner of its own and in units of its own size: parts far
     // apart or of very different size do not disturb each other.
@@ -349,12 +393,12 @@ class Door {
     std::vector<double> sixfold(faces.size(), 0.0);
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
       const std::uint32_t root = find(f);
-      if (outline_face_[f] != none)
+      if (outline_face_[f] != invalid_index)
         sixfold[root] +=
             sixfold_cone(faces[f], corner_of(faces[root], 0), box[root].sizes().maxCoeff());
     }
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
-      if (outline_face_[f] == none || find(f) != f) continue;
+      if (outline_face_[f] == invalid_index || find(f) != f) continue;
       const double size = box[f].sizes().maxCoeff();
       signed_volume += sixfold[f] / 6 * size * size * size;
       if (!(sixfold[f] > 0)) closed = false;
@@ -424,19 +468,11 @@ class Door {
   const Pose& pose_;
   Tolerances tolerances_;
   bool mirrored_;
-  std::vector<Vec3> vertices, local_;  // local_: as they were given
-  std::vector<Plane> planes;
-  std::vector<PlaneOrigin> origins;
-  std::vector<Facet> facets;
-  std::vector<Corner> corners;
-  std::vector<Edge> edges;
-  std::vector<Face> faces;
-  std::vector<Issue> issues;
-  bool closed = true;
-  double signed_volume = 0;
-  std::uint32_t aligned = 0;
-  double aligned_by = 0;
-  std::vector<std::uint32_t> vertex_of_;  // of the mesh -> welded; none: not finite
+  std::vector<Vec3> local_;  // the welded vertices in the local frame
+  struct EdgeHash {
+    std::size_t operator()(std::uint64_t ends) const { return mix(ends); }
+  };
+  tsl::robin_map<std::uint64_t, std::uint32_t, EdgeHash> edge_ids_;  // by both ends
   std::vector<Loop> loops_;               // of the face at hand
   std::vector<Vec2> points_;              // of the face at hand, flattened
   // directed edges of the kept outlines; where each face's begin
@@ -444,9 +480,9 @@ class Door {
 };
 
 // The planes of an object whose faces are one facet each.
-void carry_planes(const Figure& figure, std::vector<Plane>& own,
-                  std::span<const PlaneOrigin> origins, std::uint32_t first_plane,
-                  std::vector<Plane>& out) {
+void move_planes(const Figure& figure, std::vector<Plane>& own,
+                 std::span<const PlaneOrigin> origins, std::uint32_t first_plane,
+                 std::vector<Plane>& out) {
   std::vector<Patch> patches;
   std::vector<Membership> members;
   bool shared = false;
@@ -466,43 +502,47 @@ void carry_planes(const Figure& figure, std::vector<Plane>& own,
   }
 }
 
-}  // namespace
+bool is_rigid(const Pose& from, const Pose& to) {
+  const Eigen::Matrix3d turn = to.linear() * from.linear().inverse();
+  return (turn.transpose() * turn - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-9 &&
+         turn.determinant() > 0;
+}
 
-bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of,
-           std::span<const PlaneOrigin> origins, const Pose& to, const Tolerances& tolerances,
-           const Scene& scene, const Object& object, std::uint32_t first_plane, Carried& out) {
-  const Eigen::Matrix3d turn = to.linear() * object.pose.linear().inverse();
-  if (!((turn.transpose() * turn - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-9) ||
-      !(turn.determinant() > 0))
-    return false;
-  out.vertices.resize(object.vertex_count);
+// False when the vertices are welded otherwise than before, or are not finite.
+bool move_vertices(const RigidMotion& motion, const Object& object, std::vector<Vec3>& out) {
+  out.resize(object.vertex_count);
   std::uint32_t next = 0;
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const Vec3 v = world(to, mesh.vertices[i]);
-    if (vertex_of[i] == none || !v.allFinite()) return false;
-    if (vertex_of[i] == next) {
-      out.vertices[next++] = v;
-    } else if (out.vertices[vertex_of[i]] != v) {
+  for (std::size_t i = 0; i < motion.mesh.vertices.size(); ++i) {
+    const Vec3 v = world(motion.to, motion.mesh.vertices[i]);
+    const std::uint32_t welded = motion.vertex_of[i];
+    if (welded == invalid_index || !v.allFinite()) return false;
+    if (welded == next) {
+      out[next++] = v;
+    } else if (out[welded] != v) {
       return false;
     }
   }
-  IdTable apart(out.vertices.size());
-  // what was two places may have become one
-  for (std::uint32_t i = 0; i < out.vertices.size(); ++i) {
-    const auto same = [&](std::uint32_t j) { return out.vertices[j] == out.vertices[i]; };
-    if (apart.find_or_add(hash_position(out.vertices[i]), i, same,
-                          [&](std::uint32_t j) { return hash_position(out.vertices[j]); }) != i)
-      return false;
+  PositionSet apart(out, out.size());  // two positions may have become one
+  for (std::uint32_t i = 0; i < out.size(); ++i) {
+    if (apart.enter(i) != i) return false;
   }
-  std::vector<Plane> own;  // by facet, which is by face here
-  out.areas.clear();
-  struct One {  // of a facet's loop, as the only one
-    std::vector<std::uint32_t> loop;
-    std::size_t size() const { return 1; }
-    const std::vector<std::uint32_t>& operator[](std::size_t) const { return loop; }
-    const std::vector<std::uint32_t>* begin() const { return &loop; }
-    const std::vector<std::uint32_t>* end() const { return &loop + 1; }
-  } loops;
+  return true;
+}
+
+// One loop, as the only loop of a figure.
+struct SingleLoop {
+  Loop loop;
+  std::size_t size() const { return 1; }
+  const Loop& operator[](std::size_t) const { return loop; }
+  const Loop* begin() const { return &loop; }
+  const Loop* end() const { return &loop + 1; }
+};
+
+// The areas and planes of faces that are one facet each. False when a face is not one facet, or is
+// no longer flat or convex.
+bool move_faces(const RigidMotion& motion, const Scene& scene, const Object& object, MovedMesh& out,
+                std::vector<Plane>& planes) {
+  SingleLoop loops;
   std::vector<Vec2> points;
   std::vector<std::uint32_t> order;
   for (const Face& face : scene.faces().subspan(object.first_face, object.face_count)) {
@@ -514,7 +554,7 @@ bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of,
         fit_plane(loops, [&](std::uint32_t v) -> const Vec3& { return out.vertices[v]; });
     if (fit.zero || !std::isfinite(fit.diameter) || !std::isfinite(fit.area)) return false;
     const std::size_t n = loops.loop.size();
-    if (n > 3 && !(fit.plane.flatness <= tolerances.flatness * fit.diameter)) return false;
+    if (n > 3 && !(fit.plane.flatness <= motion.tolerances.flatness * fit.diameter)) return false;
     points.clear(), order.clear();
     for (std::size_t i = 0; i < n; ++i) {
       if (out.vertices[loops.loop[i]] == out.vertices[loops.loop[(i + 1) % n]]) return false;
@@ -522,17 +562,29 @@ bool carry(const Mesh& mesh, std::span<const std::uint32_t> vertex_of,
       order.push_back(static_cast<std::uint32_t>(i));
     }
     if (!is_convex(points, order)) return false;
-    own.push_back(fit.plane);
+    planes.push_back(fit.plane);
     out.areas.push_back(fit.area);
   }
-  const auto facets = scene.facets().subspan(object.first_facet, object.facet_count);
-  carry_planes({facets, scene.corners(), out.vertices, object.first_vertex}, own, origins,
-               first_plane, out.planes);
   return true;
 }
 
-Admitted admit(const Mesh& mesh, const Pose& pose, const Tolerances& tolerances) {
-  return Door(mesh, pose, tolerances).run();
+}  // namespace
+
+std::optional<MovedMesh> apply_rigid_motion(const RigidMotion& motion, const Scene& scene,
+                                            const Object& object, std::uint32_t first_plane) {
+  MovedMesh out;
+  std::vector<Plane> own;  // by facet, which is by face here
+  if (!is_rigid(object.pose, motion.to) || !move_vertices(motion, object, out.vertices) ||
+      !move_faces(motion, scene, object, out, own))
+    return std::nullopt;
+  const auto facets = scene.facets().subspan(object.first_facet, object.facet_count);
+  move_planes({facets, scene.corners(), out.vertices, object.first_vertex}, own, motion.origins,
+              first_plane, out.planes);
+  return out;
+}
+
+ImportedMesh import_mesh(const Mesh& mesh, const Pose& pose, const Tolerances& tolerances) {
+  return MeshImporter(mesh, pose, tolerances).run();
 }
 
 }  // namespace shadowcut

@@ -1,22 +1,48 @@
-// Scene: what has passed the door, in flat arrays, and the edits that change it.
+// Scene: imported objects in flat arrays, and the edits that change them.
 //
-// Every object has its *room*: a stretch of each array. A removed object's room is given to a later
-// one that fits. Objects stand in a list by their last change, so that an engine finds what is new
-// in time proportional to that.
+// Every object owns an *allocation*: a range of each array. The allocation of a removed object is
+// given to a later object that fits. Objects are in a list by their last change, so that an engine
+// finds the changed objects in time proportional to their number.
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
+#include "scene/mesh_arrays.hpp"
 #include "scene/mesh_import.hpp"
+#include "scene/scene_access.hpp"
 
 namespace shadowcut {
+
+Mesh::Mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles)
+    : vertices(vertices.begin(), vertices.end()) {
+  if (triangles.size() % 3 != 0)
+    throw Error("the number of indices of triangles is not a multiple of three: " +
+                std::to_string(triangles.size()));
+  add_faces(triangles, std::vector<std::uint32_t>(triangles.size() / 3, 3));
+}
 
 void Mesh::add_face(std::span<const std::uint32_t> outer) {
   corners_.insert(corners_.end(), outer.begin(), outer.end());
   loop_ends_.push_back(corners_.size());
   face_ends_.push_back(loop_ends_.size());
+}
+
+void Mesh::add_faces(std::span<const std::uint32_t> corners,
+                     std::span<const std::uint32_t> counts) {
+  const std::uint64_t sum = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  if (sum != corners.size())
+    throw Error("the faces have " + std::to_string(sum) + " corners, and " +
+                std::to_string(corners.size()) + " were given");
+  corners_.reserve(corners_.size() + corners.size());
+  loop_ends_.reserve(loop_ends_.size() + counts.size());
+  face_ends_.reserve(face_ends_.size() + counts.size());
+  for (const std::uint32_t n : counts) {
+    add_face(corners.first(n));
+    corners = corners.subspan(n);
+  }
 }
 
 void Mesh::add_hole(std::span<const std::uint32_t> loop) {
@@ -36,7 +62,7 @@ std::span<const std::uint32_t> Mesh::loop(std::size_t face, std::size_t k) const
   return std::span(corners_).subspan(begin, loop_ends_[l] - begin);
 }
 
-const char* describe(Reason reason) {
+const char* reason_text(Reason reason) {
   switch (reason) {
     case Reason::non_finite:
       return "a coordinate is not finite";
@@ -58,40 +84,57 @@ const char* describe(Reason reason) {
   return "";
 }
 
-bool refuses(Reason reason) {
+bool is_refusal(Reason reason) {
   return reason != Reason::repeated_corner && reason != Reason::not_flat;
 }
 
-void check(const Light& light, const std::string& who) {
-  if (!light.at.allFinite()) throw Error(who + ": a coordinate is not finite");
-  if (light.kind == Light::Kind::directional && light.at.isZero(0))
-    throw Error(who + ": its direction is zero");
-  if (!(light.range > 0)) throw Error(who + ": its range is not positive");
-  if (light.spot) {
-    if (!light.spot->axis.allFinite() || light.spot->axis.isZero(0))
+void Light::check(const std::string& who) const {
+  if (kind == Kind::directional) {
+    if (!direction.allFinite()) throw Error(who + ": a coordinate is not finite");
+    if (direction.isZero(0)) throw Error(who + ": its direction is zero");
+    if (range != std::numeric_limits<double>::infinity())
+      throw Error(who + ": a directional light has no range");
+    if (spot) throw Error(who + ": a directional light has no spot");
+    return;
+  }
+  if (!position.allFinite()) throw Error(who + ": a coordinate is not finite");
+  if (!(range > 0)) throw Error(who + ": its range is not positive");
+  if (spot) {
+    if (!spot->axis.allFinite() || spot->axis.isZero(0))
       throw Error(who + ": its spot axis is zero or not finite");
-    if (!(light.spot->half_angle > 0) || light.spot->half_angle > std::numbers::pi)
+    if (!(spot->half_angle > 0) || spot->half_angle > std::numbers::pi)
       throw Error(who + ": its spot angle is not in (0, pi]");
   }
 }
 
 struct Scene::Source {
   Mesh mesh;
-  Sides sides;                           // as asked for
-  std::vector<std::uint32_t> vertex_of;  // see Admitted
+  Sides sides;                           // as in the settings
+  std::vector<std::uint32_t> vertex_of;  // see ImportedMesh
   std::vector<PlaneOrigin> origins;      // likewise
 };
 
-namespace {
-
-enum Array : std::size_t {
-  vertex_array,
-  edge_array,
-  plane_array,
-  facet_array,
-  corner_array,
-  face_array
+struct Scene::Allocation {
+  ArrayRanges ranges;
+  std::uint32_t owner;  // index of an object, or invalid_index
 };
+
+struct Scene::Slot {
+  std::uint32_t generation = 0;
+  std::uint32_t allocation = invalid_index;
+  std::uint64_t revision = 0;
+  // the objects in the order of their last change
+  std::uint32_t older = invalid_index, newer = invalid_index;
+  std::shared_ptr<const Source> source;
+};
+
+struct Scene::LightSlot {
+  std::uint32_t generation = 0;
+  bool alive = false;
+  std::uint64_t revision = 0;
+};
+
+namespace {
 
 std::uint32_t new_tag() {
   static std::atomic<std::uint32_t> last{0};
@@ -108,76 +151,75 @@ void reserve_more(std::vector<T>& v, std::size_t more) {
   if (v.capacity() - v.size() < more) v.reserve(std::max(v.size() + more, 2 * v.capacity()));
 }
 
-constexpr Facet no_facet{0, 0, 0, 0};
-constexpr Face no_face{none, 0, 0, 0, 0.0};
+std::string described(const Light& light, std::size_t index) {
+  return light.name.empty() ? "light " + std::to_string(index) : "light '" + light.name + "'";
+}
 
 void check_pose(const Pose& pose, const std::string& name) {
   if (!pose.matrix().allFinite() || pose.linear().determinant() == 0)
     throw Error("object '" + name + "': its pose is not finite and invertible");
 }
 
+// Makes sure that a range of this size can be appended without an exception.
+void reserve(MeshArrays& arrays, const ArrayCounts& counts) {
+  if (arrays.edges.size() + counts[edge_array] > max_edges ||
+      arrays.corners.size() + counts[corner_array] >= invalid_index)
+    throw Error("the scene is larger than 2^29 edges");
+  for_each_array([&](ArrayIndex k, auto& v) { reserve_more(v, counts[k]); }, arrays);
+}
+
+// Makes the arrays long enough to hold a range.
+void grow_to(MeshArrays& arrays, const ArrayRanges& ranges) {
+  for_each_array(
+      [&](ArrayIndex k, auto& v) {
+        const std::size_t end = std::size_t{ranges.first[k]} + ranges.count[k];
+        if (v.size() < end) v.resize(end, hole_in(v));
+      },
+      arrays);
+}
+
+// Takes the facets and faces of an object out of the arrays.
+void clear(MeshArrays& arrays, const ArrayRanges& ranges) {
+  const auto fill = [&ranges](ArrayIndex k, auto& v) {
+    std::fill_n(v.begin() + ranges.first[k], ranges.count[k], hole_in(v));
+  };
+  fill(facet_array, arrays.facets);
+  fill(face_array, arrays.faces);
+}
+
+// Moves the arrays of an object into its ranges: indices, which count from the first element of the
+// object, now count from the first element of the scene.
+void place(const MeshArrays& from, const ArrayRanges& ranges, std::uint32_t object,
+           MeshArrays& to) {
+  const auto& [vertex0, edge0, plane0, facet0, corner0, face0] = ranges.first;
+  const auto put = [&ranges](ArrayIndex k, const auto& source, auto& target, const auto& shift) {
+    std::transform(source.begin(), source.end(), target.begin() + ranges.first[k], shift);
+  };
+  const auto same = [](const auto& x) { return x; };
+  put(vertex_array, from.vertices, to.vertices, same);
+  put(plane_array, from.planes, to.planes, same);
+  put(edge_array, from.edges, to.edges, [v = vertex0](const Edge& e) {
+    return Edge{e.a + v, e.b + v};
+  });
+  put(corner_array, from.corners, to.corners, [v = vertex0, e = edge0](const Corner& c) {
+    return Corner{c.vertex + v, c.edge + (e << 1)};
+  });
+  put(facet_array, from.facets, to.facets, [f = face0, p = plane0, c = corner0](const Facet& t) {
+    return Facet{t.face + f, t.plane + p, t.first_corner + c, t.corner_count};
+  });
+  put(face_array, from.faces, to.faces, [object, t = facet0](const Face& f) {
+    return Face{object, f.number, f.first_facet + t, f.facet_count, f.area};
+  });
+}
+
 }  // namespace
 
 Scene::Scene() : tag_(new_tag()) {}
-
-// Makes sure that a room of this size can be taken without an exception.
-void Scene::reserve_room(const std::uint32_t (&counts)[6]) {
-  if (edges_.size() + counts[edge_array] > max_edges ||
-      corners_.size() + counts[corner_array] >= none)
-    throw Error("the scene is larger than 2^29 edges");
-  reserve_more(vertices_, counts[vertex_array]);
-  reserve_more(edges_, counts[edge_array]);
-  reserve_more(planes_, counts[plane_array]);
-  reserve_more(facets_, counts[facet_array]);
-  reserve_more(corners_, counts[corner_array]);
-  reserve_more(faces_, counts[face_array]);
-  reserve_more(rooms_, 1);
-}
-
-void Scene::grow_to(const Room& room) {
-  const auto grow = [&room](auto& v, Array a, const auto& filler) {
-    const std::size_t end = std::size_t{room.first[a]} + room.count[a];
-    if (v.size() < end) v.resize(end, filler);
-  };
-  grow(vertices_, vertex_array, Vec3(Vec3::Zero()));
-  grow(edges_, edge_array, Edge{0, 0});
-  grow(planes_, plane_array, Plane{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), 0, 0});
-  grow(facets_, facet_array, no_facet);
-  grow(corners_, corner_array, Corner{0, 0});
-  grow(faces_, face_array, no_face);
-}
-
-// The smallest free room with enough of everything, or a new one at the end.
-void Scene::take_room(std::uint32_t index, const std::uint32_t (&counts)[6]) {
-  int tries = 16;
-  for (auto it = free_rooms_.lower_bound(counts[corner_array]);
-       it != free_rooms_.end() && tries > 0; ++it, --tries) {
-    Room& room = rooms_[it->second];
-    if (!std::equal(counts, counts + 6, room.count,
-                    [](std::uint32_t want, std::uint32_t have) { return want <= have; }))
-      continue;
-    room.owner = index;
-    slots_[index].room = it->second;
-    free_rooms_.erase(it);
-    return;
-  }
-  Room room{{count_of(vertices_), count_of(edges_), count_of(planes_), count_of(facets_),
-             count_of(corners_), count_of(faces_)},
-            {},
-            index};
-  std::copy(counts, counts + 6, room.count);
-  slots_[index].room = count_of(rooms_);
-  rooms_.push_back(room);
-  grow_to(room);
-}
-
-// Takes an object's facets and faces out of the arrays; its room stays its own.
-void Scene::clear_room(std::uint32_t index) {
-  const Room& room = rooms_[slots_[index].room];
-  std::fill_n(facets_.begin() + room.first[facet_array], room.count[facet_array], no_facet);
-  std::fill_n(faces_.begin() + room.first[face_array], room.count[face_array], no_face);
-  std::erase_if(issues_, [index](const Issue& i) { return i.object == index; });
-}
+Scene::~Scene() = default;
+Scene::Scene(const Scene&) = default;
+Scene& Scene::operator=(const Scene&) = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
 
 void Scene::touch(std::uint32_t index) {
   slots_[index].revision = ++revision_;
@@ -188,97 +230,89 @@ void Scene::touch(std::uint32_t index) {
 void Scene::make_newest(std::uint32_t index) {
   Slot& slot = slots_[index];
   if (newest_ == index) return;
-  if (slot.older != none) slots_[slot.older].newer = slot.newer;
-  if (slot.newer != none) slots_[slot.newer].older = slot.older;
+  if (slot.older != invalid_index) slots_[slot.older].newer = slot.newer;
+  if (slot.newer != invalid_index) slots_[slot.newer].older = slot.older;
   slot.older = newest_;
-  slot.newer = none;
-  if (newest_ != none) slots_[newest_].newer = index;
+  slot.newer = invalid_index;
+  if (newest_ != invalid_index) slots_[newest_].newer = index;
   newest_ = index;
 }
 
-std::vector<std::uint32_t> Scene::changed_since(std::uint64_t revision) const {
-  std::vector<std::uint32_t> changed;
-  for (std::uint32_t i = newest_; i != none && slots_[i].revision > revision; i = slots_[i].older)
-    changed.push_back(i);
-  std::reverse(changed.begin(), changed.end());
-  return changed;
-}
-
-// Puts an object through the door, into room that fits. An exception leaves the scene as it was.
-void Scene::admit(std::uint32_t index, std::shared_ptr<const Source> source,
-                  const ObjectSettings& settings) {
-  Admitted in =
-      shadowcut::admit(source->mesh, settings.pose, {flatness_tolerance, coplanarity_tolerance});
-  const std::uint32_t counts[6] = {count_of(in.vertices), count_of(in.edges),   count_of(in.planes),
-                                   count_of(in.facets),   count_of(in.corners), count_of(in.faces)};
+// Imports an object into an allocation that fits. An exception leaves the scene as it was.
+void Scene::import_object(std::uint32_t index, std::shared_ptr<const Source> source,
+                          const ObjectSettings& settings) {
+  ImportedMesh in =
+      import_mesh(source->mesh, settings.pose, {flatness_tolerance, coplanarity_tolerance});
+  const ArrayCounts counts = counts_of(in);
   try {
-    reserve_room(counts);
+    reserve(arrays_, counts);
   } catch (const Error& e) {
     throw Error("object '" + settings.name + "': " + e.what());
   }
+  reserve_more(allocations_, 1);
   reserve_more(issues_, in.issues.size());
   auto with_map = std::make_shared<Source>(
       Source{source->mesh, settings.sides, std::move(in.vertex_of), std::move(in.origins)});
-  decltype(free_rooms_) given_up;  // memory for that comes first, too
-  if (slots_[index].room != none)
-    given_up.emplace(rooms_[slots_[index].room].count[corner_array], slots_[index].room);
+  Slot& slot = slots_[index];
+  decltype(free_allocations_) given_up;  // memory for that comes first, too
+  if (slot.allocation != invalid_index)
+    given_up.emplace(allocations_[slot.allocation].ranges.count[corner_array], slot.allocation);
   std::string name = settings.name;
 
-  std::uint32_t old = slots_[index].room;
-  if (old != none) {
-    clear_room(index);
-    const Room& room = rooms_[old];
-    if (!std::equal(counts, counts + 6, room.count,
-                    [](std::uint32_t want, std::uint32_t have) { return want <= have; })) {
-      rooms_[old].owner = none;
-      free_rooms_.merge(given_up);
-      old = none;
+  // From here on nothing throws.
+  if (slot.allocation != invalid_index) {
+    Allocation& old = allocations_[slot.allocation];
+    clear(arrays_, old.ranges);
+    std::erase_if(issues_, [index](const Issue& i) { return i.object == index; });
+    if (!old.ranges.has_room_for(counts)) {
+      old.owner = invalid_index;
+      free_allocations_.merge(given_up);
+      slot.allocation = invalid_index;
     }
   }
-  if (old == none) take_room(index, counts);
-  const Room& room = rooms_[slots_[index].room];
-  const std::uint32_t vertex0 = room.first[vertex_array], edge0 = room.first[edge_array],
-                      plane0 = room.first[plane_array], facet0 = room.first[facet_array],
-                      corner0 = room.first[corner_array], face0 = room.first[face_array];
+  if (slot.allocation == invalid_index) allocate(index, counts);
+  const ArrayRanges& ranges = allocations_[slot.allocation].ranges;
+  place(in, ranges, index, arrays_);
 
   Object& o = objects_[index];
   o.name = std::move(name);
   o.sides = settings.sides != Sides::automatic ? settings.sides
             : in.closed                        ? Sides::closed
                                                : Sides::open;
-  o.casts = settings.casts, o.receives = settings.receives, o.moves = settings.moves;
-  o.first_face = face0, o.face_count = counts[face_array];
-  o.first_vertex = vertex0, o.vertex_count = counts[vertex_array];
-  o.first_facet = facet0, o.facet_count = counts[facet_array];
-  o.first_edge = edge0, o.edge_count = counts[edge_array];
+  o.casts_shadows = settings.casts_shadows, o.receives_shadows = settings.receives_shadows;
+  o.dynamic = settings.dynamic;
+  o.first_face = ranges.first[face_array], o.face_count = counts[face_array];
+  o.first_vertex = ranges.first[vertex_array], o.vertex_count = counts[vertex_array];
+  o.first_facet = ranges.first[facet_array], o.facet_count = counts[facet_array];
+  o.first_edge = ranges.first[edge_array], o.edge_count = counts[edge_array];
   o.signed_volume = in.signed_volume;
   o.aligned = in.aligned, o.aligned_by = in.aligned_by;
   o.pose = settings.pose;
   o.alive = true;
-  std::copy(in.vertices.begin(), in.vertices.end(), vertices_.begin() + vertex0);
-  std::copy(in.planes.begin(), in.planes.end(), planes_.begin() + plane0);
-  std::transform(in.edges.begin(), in.edges.end(), edges_.begin() + edge0, [=](const Edge& e) {
-    return Edge{e.a + vertex0, e.b + vertex0};
-  });
-  std::transform(in.corners.begin(), in.corners.end(), corners_.begin() + corner0,
-                 [=](const Corner& c) {
-                   return Corner{c.vertex + vertex0, c.edge + (edge0 << 1)};
-                 });
-  for (std::uint32_t f = 0; f < counts[face_array]; ++f) {
-    Face& face = faces_[face0 + f] = in.faces[f];
-    face.object = index;
-    for (std::uint32_t k = face.first_facet; k < face.first_facet + face.facet_count; ++k) {
-      const Facet& t = in.facets[k];
-      facets_[facet0 + k] = {face0 + f, t.plane + plane0, t.first_corner + corner0, t.corner_count};
-    }
-    face.first_facet += facet0;
-  }
   for (Issue& i : in.issues) {
     i.object = index;
     issues_.push_back(std::move(i));
   }
-  slots_[index].source = std::move(with_map);
+  slot.source = std::move(with_map);
   touch(index);
+}
+
+// Gives an object the smallest of some free allocations with enough of everything, or a new one at
+// the end.
+void Scene::allocate(std::uint32_t index, const ArrayCounts& counts) {
+  int tries = 16;
+  for (auto it = free_allocations_.lower_bound(counts[corner_array]);
+       it != free_allocations_.end() && tries > 0; ++it, --tries) {
+    Allocation& free = allocations_[it->second];
+    if (!free.ranges.has_room_for(counts)) continue;
+    free.owner = index;
+    slots_[index].allocation = it->second;
+    free_allocations_.erase(it);
+    return;
+  }
+  slots_[index].allocation = count_of(allocations_);
+  allocations_.push_back({{counts_of(arrays_), counts}, index});
+  grow_to(arrays_, allocations_.back().ranges);
 }
 
 ObjectId Scene::add(const Mesh& mesh, const ObjectSettings& settings) {
@@ -297,7 +331,7 @@ ObjectId Scene::add(const Mesh& mesh, const ObjectSettings& settings) {
     slots_.emplace_back();
   }
   try {
-    admit(index, std::move(source), settings);
+    import_object(index, std::move(source), settings);
   } catch (...) {
     if (fresh) objects_.pop_back(), slots_.pop_back();
     throw;
@@ -307,24 +341,27 @@ ObjectId Scene::add(const Mesh& mesh, const ObjectSettings& settings) {
 }
 
 template <class Id, class Slots, class Alive>
-Edit Scene::locate(Id id, const Slots& slots, const Alive& alive) const {
-  if (id.scene != tag_ || id.index >= slots.size()) return Edit::foreign;
-  return alive(id.index) && slots[id.index].generation == id.generation ? Edit::done : Edit::stale;
+Status Scene::status(Id id, const Slots& slots, const Alive& alive) const {
+  if (id.scene != tag_ || id.index >= slots.size()) return Status::foreign;
+  return alive(id.index) && slots[id.index].generation == id.generation ? Status::ok
+                                                                        : Status::stale;
 }
-Edit Scene::locate(ObjectId id) const {
-  return locate(id, slots_, [this](std::uint32_t i) { return objects_[i].alive; });
+Status Scene::status(ObjectId id) const {
+  return status(id, slots_, [this](std::uint32_t i) { return objects_[i].alive; });
 }
-Edit Scene::locate(LightId id) const {
-  return locate(id, light_slots_, [this](std::uint32_t i) { return light_slots_[i].alive; });
+Status Scene::status(LightId id) const {
+  return status(id, light_slots_, [this](std::uint32_t i) { return light_slots_[i].alive; });
 }
 
-Edit Scene::remove(ObjectId id) {
-  if (const Edit e = locate(id); e != Edit::done) return e;
+Status Scene::remove(ObjectId id) {
+  if (const Status s = status(id); s != Status::ok) return s;
   Slot& slot = slots_[id.index];
-  free_rooms_.emplace(rooms_[slot.room].count[corner_array], slot.room);
-  clear_room(id.index);
-  rooms_[slot.room].owner = none;
-  slot.room = none;
+  Allocation& allocation = allocations_[slot.allocation];
+  free_allocations_.emplace(allocation.ranges.count[corner_array], slot.allocation);
+  clear(arrays_, allocation.ranges);
+  std::erase_if(issues_, [id](const Issue& i) { return i.object == id.index; });
+  allocation.owner = invalid_index;
+  slot.allocation = invalid_index;
   slot.source.reset();
   ++slot.generation;
   Object dead{};
@@ -332,32 +369,35 @@ Edit Scene::remove(ObjectId id) {
   objects_[id.index] = std::move(dead);
   free_objects_.push_back(id.index);
   touch(id.index);
-  return Edit::done;
+  return Status::ok;
 }
 
-Edit Scene::set_pose(ObjectId id, const Pose& pose) {
-  if (const Edit e = locate(id); e != Edit::done) return e;
+Status Scene::set_pose(ObjectId id, const Pose& pose) {
+  if (const Status s = status(id); s != Status::ok) return s;
   Object& o = objects_[id.index];
   check_pose(pose, o.name);
   const std::shared_ptr<const Source> source = slots_[id.index].source;
-  const std::uint32_t first_plane = rooms_[slots_[id.index].room].first[plane_array];
+  const std::uint32_t first_plane =
+      allocations_[slots_[id.index].allocation].ranges.first[plane_array];
   const Tolerances tolerances{flatness_tolerance, coplanarity_tolerance};
-  if (Carried carried; carry(source->mesh, source->vertex_of, source->origins, pose, tolerances,
-                             *this, o, first_plane, carried)) {
-    std::copy(carried.vertices.begin(), carried.vertices.end(), vertices_.begin() + o.first_vertex);
-    std::copy(carried.planes.begin(), carried.planes.end(), planes_.begin() + first_plane);
+  const RigidMotion motion{source->mesh, source->vertex_of, source->origins, pose, tolerances};
+  if (const auto moved = apply_rigid_motion(motion, *this, o, first_plane)) {
+    std::copy(moved->vertices.begin(), moved->vertices.end(),
+              arrays_.vertices.begin() + o.first_vertex);
+    std::copy(moved->planes.begin(), moved->planes.end(), arrays_.planes.begin() + first_plane);
     for (std::uint32_t f = 0; f < o.face_count; ++f)
-      faces_[o.first_face + f].area = carried.areas[f];
+      arrays_.faces[o.first_face + f].area = moved->areas[f];
     o.pose = pose;
     touch(id.index);
   } else {
-    admit(id.index, source, {o.name, pose, source->sides, o.casts, o.receives, o.moves});
+    import_object(id.index, source,
+                  {o.name, pose, source->sides, o.casts_shadows, o.receives_shadows, o.dynamic});
   }
-  return Edit::done;
+  return Status::ok;
 }
 
-Edit Scene::set_vertices(ObjectId id, std::span<const Vec3> local) {
-  if (const Edit e = locate(id); e != Edit::done) return e;
+Status Scene::set_vertices(ObjectId id, std::span<const Vec3> local) {
+  if (const Status s = status(id); s != Status::ok) return s;
   const Object& o = objects_[id.index];
   const Source& old = *slots_[id.index].source;
   if (local.size() != old.mesh.vertices.size()) {
@@ -367,30 +407,29 @@ Edit Scene::set_vertices(ObjectId id, std::span<const Vec3> local) {
   }
   Source changed{old.mesh, old.sides, {}, {}};
   changed.mesh.vertices.assign(local.begin(), local.end());
-  admit(id.index, std::make_shared<const Source>(std::move(changed)),
-        {o.name, o.pose, old.sides, o.casts, o.receives, o.moves});
-  return Edit::done;
+  import_object(id.index, std::make_shared<const Source>(std::move(changed)),
+                {o.name, o.pose, old.sides, o.casts_shadows, o.receives_shadows, o.dynamic});
+  return Status::ok;
 }
 
-Edit Scene::set_casts(ObjectId id, bool casts) {
-  if (const Edit e = locate(id); e != Edit::done) return e;
-  objects_[id.index].casts = casts;
+Status Scene::set_casts_shadows(ObjectId id, bool casts) {
+  if (const Status s = status(id); s != Status::ok) return s;
+  objects_[id.index].casts_shadows = casts;
   touch(id.index);
-  return Edit::done;
+  return Status::ok;
 }
 
-Edit Scene::set_receives(ObjectId id, bool receives) {
-  if (const Edit e = locate(id); e != Edit::done) return e;
-  objects_[id.index].receives = receives;
+Status Scene::set_receives_shadows(ObjectId id, bool receives) {
+  if (const Status s = status(id); s != Status::ok) return s;
+  objects_[id.index].receives_shadows = receives;
   touch(id.index);
-  return Edit::done;
+  return Status::ok;
 }
 
 LightId Scene::add(const Light& light) {
   const bool fresh = free_lights_.empty();
   const std::uint32_t index = fresh ? count_of(lights_) : free_lights_.back();
-  check(light,
-        light.name.empty() ? "light " + std::to_string(index) : "light '" + light.name + "'");
+  light.check(described(light, index));
   if (fresh) {
     reserve_more(light_slots_, 1);
     reserve_more(free_lights_, lights_.size() + 1 - free_lights_.size());
@@ -405,30 +444,27 @@ LightId Scene::add(const Light& light) {
   return light_id(index);
 }
 
-Edit Scene::remove(LightId id) {
-  if (const Edit e = locate(id); e != Edit::done) return e;
+Status Scene::remove(LightId id) {
+  if (const Status s = status(id); s != Status::ok) return s;
   LightSlot& slot = light_slots_[id.index];
   slot.alive = false;
   ++slot.generation;
   slot.revision = ++revision_;
   free_lights_.push_back(id.index);
-  return Edit::done;
+  return Status::ok;
 }
 
-Edit Scene::set_light(LightId id, const Light& light) {
-  if (const Edit e = locate(id); e != Edit::done) return e;
-  check(light,
-        light.name.empty() ? "light " + std::to_string(id.index) : "light '" + light.name + "'");
+Status Scene::set_light(LightId id, const Light& light) {
+  if (const Status s = status(id); s != Status::ok) return s;
+  light.check(described(light, id.index));
   lights_[id.index] = Light(light);  // copied before anything changes
   light_slots_[id.index].revision = ++revision_;
-  return Edit::done;
+  return Status::ok;
 }
 
 void Scene::replace_lights(std::span<const Light> lights) {
   const std::vector<Light> fresh(lights.begin(), lights.end());  // they may be our own
-  for (std::size_t i = 0; i < fresh.size(); ++i)
-    check(fresh[i],
-          fresh[i].name.empty() ? "light " + std::to_string(i) : "light '" + fresh[i].name + "'");
+  for (std::size_t i = 0; i < fresh.size(); ++i) fresh[i].check(described(fresh[i], i));
   for (std::size_t i = 0; i < lights_.size(); ++i) {
     if (light_slots_[i].alive) static_cast<void>(remove(light_id(i)));
   }
@@ -437,18 +473,18 @@ void Scene::replace_lights(std::span<const Light> lights) {
 }
 
 const Object* Scene::find(ObjectId id) const {
-  return locate(id) == Edit::done ? &objects_[id.index] : nullptr;
+  return status(id) == Status::ok ? &objects_[id.index] : nullptr;
 }
 const Light* Scene::find(LightId id) const {
-  return locate(id) == Edit::done ? &lights_[id.index] : nullptr;
+  return status(id) == Status::ok ? &lights_[id.index] : nullptr;
 }
 
-std::optional<std::pair<Mesh, ObjectSettings>> Scene::given(ObjectId id) const {
+std::optional<std::pair<Mesh, ObjectSettings>> Scene::source(ObjectId id) const {
   const Object* o = find(id);
   if (o == nullptr) return std::nullopt;
   const Source& source = *slots_[id.index].source;
-  return std::pair(source.mesh,
-                   ObjectSettings{o->name, o->pose, source.sides, o->casts, o->receives, o->moves});
+  return std::pair(source.mesh, ObjectSettings{o->name, o->pose, source.sides, o->casts_shadows,
+                                               o->receives_shadows, o->dynamic});
 }
 
 ObjectId Scene::object_id(std::size_t index) const {
@@ -460,81 +496,106 @@ LightId Scene::light_id(std::size_t index) const {
   return {static_cast<std::uint32_t>(index), light_slots_[index].generation, tag_};
 }
 
-std::uint32_t Scene::room_taken_by(const Scene& other, std::uint32_t index) const {
-  const std::uint32_t room = index < other.slots_.size() ? other.slots_[index].room : none;
-  return room < rooms_.size() ? rooms_[room].owner : none;
+std::uint64_t SceneAccess::object_revision(const Scene& scene, std::size_t index) {
+  return scene.slots_[index].revision;
+}
+std::uint64_t SceneAccess::light_revision(const Scene& scene, std::size_t index) {
+  return scene.light_slots_[index].revision;
 }
 
-void Scene::copy_objects(const Scene& from, std::span<const std::uint32_t> indices) {
-  if (objects_.size() < from.objects_.size()) {
+std::vector<std::uint32_t> SceneAccess::changed_since(const Scene& scene, std::uint64_t revision) {
+  std::vector<std::uint32_t> changed;
+  for (std::uint32_t i = scene.newest_; i != invalid_index && scene.slots_[i].revision > revision;
+       i = scene.slots_[i].older)
+    changed.push_back(i);
+  std::reverse(changed.begin(), changed.end());
+  return changed;
+}
+
+std::uint32_t SceneAccess::owner_of_allocation(const Scene& scene, const Scene& other,
+                                               std::uint32_t index) {
+  const std::uint32_t allocation =
+      index < other.slots_.size() ? other.slots_[index].allocation : invalid_index;
+  return allocation < scene.allocations_.size() ? scene.allocations_[allocation].owner
+                                                : invalid_index;
+}
+
+void SceneAccess::copy_objects(Scene& to, const Scene& from,
+                               std::span<const std::uint32_t> indices) {
+  if (to.objects_.size() < from.objects_.size()) {
     Object empty{};
     empty.alive = false;
-    for (std::uint32_t i = count_of(objects_); i < from.objects_.size(); ++i)
-      free_objects_.push_back(i);
-    objects_.resize(from.objects_.size(), empty);
-    slots_.resize(from.slots_.size());
+    for (std::uint32_t i = count_of(to.objects_); i < from.objects_.size(); ++i)
+      to.free_objects_.push_back(i);
+    to.objects_.resize(from.objects_.size(), empty);
+    to.slots_.resize(from.slots_.size());
   }
-  for (std::size_t r = rooms_.size(); r < from.rooms_.size(); ++r) {
-    rooms_.push_back(from.rooms_[r]);
-    rooms_.back().owner = none;
-    grow_to(rooms_.back());
-    free_rooms_.emplace(rooms_.back().count[corner_array], static_cast<std::uint32_t>(r));
+  for (std::size_t a = to.allocations_.size(); a < from.allocations_.size(); ++a) {
+    to.allocations_.push_back({from.allocations_[a].ranges, invalid_index});
+    grow_to(to.arrays_, to.allocations_[a].ranges);
+    to.free_allocations_.emplace(to.allocations_[a].ranges.count[corner_array],
+                                 static_cast<std::uint32_t>(a));
   }
-  for (const std::uint32_t i : indices) {
-    const std::uint32_t room = slots_[i].room;
-    if (room == none) continue;
-    clear_room(i);
-    rooms_[room].owner = none;
-    free_rooms_.emplace(rooms_[room].count[corner_array], room);
-  }
-  for (const std::uint32_t i : indices) {
-    const Slot& slot = from.slots_[i];
-    if (objects_[i].alive != from.objects_[i].alive) {
-      if (from.objects_[i].alive) {
-        std::erase(free_objects_, i);
-      } else {
-        free_objects_.push_back(i);
-      }
-    }
-    objects_[i] = from.objects_[i];
-    slots_[i].room = slot.room;
-    slots_[i].generation = slot.generation;
-    slots_[i].revision = slot.revision;
-    slots_[i].source = slot.source;
-    revision_ = std::max(revision_, slot.revision);
-    make_newest(i);
-    if (slot.room == none) continue;
-    Room& room = rooms_[slot.room];
-    room.owner = i;
-    const auto [first, last] = free_rooms_.equal_range(room.count[corner_array]);
-    free_rooms_.erase(
-        std::find_if(first, last, [&slot](const auto& r) { return r.second == slot.room; }));
-    const auto copy = [&room](auto& to, const auto& source, Array a) {
-      std::copy_n(source.begin() + room.first[a], room.count[a], to.begin() + room.first[a]);
-    };
-    copy(vertices_, from.vertices_, vertex_array);
-    copy(edges_, from.edges_, edge_array);
-    copy(planes_, from.planes_, plane_array);
-    copy(facets_, from.facets_, facet_array);
-    copy(corners_, from.corners_, corner_array);
-    copy(faces_, from.faces_, face_array);
-  }
+  for (const std::uint32_t i : indices) to.release_copy(i);
+  for (const std::uint32_t i : indices) to.take_copy(from, i);
   for (const Issue& i : from.issues_) {
-    if (std::find(indices.begin(), indices.end(), i.object) != indices.end()) issues_.push_back(i);
+    if (std::find(indices.begin(), indices.end(), i.object) != indices.end())
+      to.issues_.push_back(i);
   }
 }
 
-void Scene::copy_light(const Scene& from, std::uint32_t index) {
-  while (lights_.size() < from.lights_.size()) {
-    free_lights_.push_back(count_of(lights_));
-    lights_.emplace_back();
-    light_slots_.emplace_back();
+// Frees the allocation of an object that is to be copied.
+void Scene::release_copy(std::uint32_t index) {
+  const std::uint32_t allocation = slots_[index].allocation;
+  if (allocation == invalid_index) return;
+  const ArrayRanges& ranges = allocations_[allocation].ranges;
+  clear(arrays_, ranges);
+  std::erase_if(issues_, [index](const Issue& i) { return i.object == index; });
+  allocations_[allocation].owner = invalid_index;
+  free_allocations_.emplace(ranges.count[corner_array], allocation);
+}
+
+// Copies an object into the allocation that it owns in the other scene, which is free here.
+void Scene::take_copy(const Scene& from, std::uint32_t index) {
+  const Slot& source = from.slots_[index];
+  if (objects_[index].alive != from.objects_[index].alive) {
+    if (from.objects_[index].alive) std::erase(free_objects_, index);
+    else free_objects_.push_back(index);
   }
-  if (light_slots_[index].alive && !from.light_slots_[index].alive) free_lights_.push_back(index);
-  if (!light_slots_[index].alive && from.light_slots_[index].alive) std::erase(free_lights_, index);
-  lights_[index] = from.lights_[index];
-  light_slots_[index] = from.light_slots_[index];
-  revision_ = std::max(revision_, light_slots_[index].revision);
+  objects_[index] = from.objects_[index];
+  Slot& slot = slots_[index];
+  slot.allocation = source.allocation;
+  slot.generation = source.generation;
+  slot.revision = source.revision;
+  slot.source = source.source;
+  revision_ = std::max(revision_, source.revision);
+  make_newest(index);
+  if (slot.allocation == invalid_index) return;
+  Allocation& allocation = allocations_[slot.allocation];
+  allocation.owner = index;
+  const auto [first, last] = free_allocations_.equal_range(allocation.ranges.count[corner_array]);
+  free_allocations_.erase(
+      std::find_if(first, last, [&slot](const auto& a) { return a.second == slot.allocation; }));
+  for_each_array(
+      [&ranges = allocation.ranges](ArrayIndex k, auto& target, const auto& other) {
+        std::copy_n(other.begin() + ranges.first[k], ranges.count[k],
+                    target.begin() + ranges.first[k]);
+      },
+      arrays_, from.arrays_);
+}
+
+void SceneAccess::copy_light(Scene& to, const Scene& from, std::uint32_t index) {
+  while (to.lights_.size() < from.lights_.size()) {
+    to.free_lights_.push_back(count_of(to.lights_));
+    to.lights_.emplace_back();
+    to.light_slots_.emplace_back();
+  }
+  const bool was_alive = to.light_slots_[index].alive, is_alive = from.light_slots_[index].alive;
+  if (was_alive && !is_alive) to.free_lights_.push_back(index);
+  if (!was_alive && is_alive) std::erase(to.free_lights_, index);
+  to.lights_[index] = from.lights_[index];
+  to.light_slots_[index] = from.light_slots_[index];
+  to.revision_ = std::max(to.revision_, to.light_slots_[index].revision);
 }
 
 }  // namespace shadowcut

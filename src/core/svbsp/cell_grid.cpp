@@ -48,7 +48,7 @@ void CellGrid::filter_into_cells(FacetId facet, FacetParts& parts, Workspace& w)
     const std::span<const ConeCorner> span = std::as_const(*part).span();
     const bool is_whole =
         span.size() == corners && std::all_of(span.begin(), span.end(), [](const ConeCorner& k) {
-          return k.vertex != none && !k.edge.bounded();
+          return k.vertex != invalid_index && !k.edge.bounded();
         });
     const auto first = static_cast<std::uint32_t>(parts.corners.size());
     if (!is_whole) parts.corners.insert(parts.corners.end(), span.begin(), span.end());

@@ -95,7 +95,7 @@ class Joining {
       for (PieceId p = tree_.pieces.entry(half.cone->entry).first; p.valid();
            p = tree_.pieces[p].after) {
         if (!has_edge_on(tree_.pieces.corners(p), line_)) continue;
-        if (const std::uint32_t depth = depth_below_node(p); depth != none)
+        if (const std::uint32_t depth = depth_below_node(p); depth != invalid_index)
           found.emplace_back(depth, p);
       }
     }
@@ -114,7 +114,7 @@ class Joining {
       if (place.node() == node_) return depth;
       ++depth;
     }
-    return none;
+    return invalid_index;
   }
 
   // The node's line, and lines that only nodes of the small side stood for, live on under local

@@ -75,7 +75,8 @@ KdTree::KdTree(std::vector<Vec3> rays, bool far, std::uint32_t facets_per_cell, 
         branch = Branch::node(node);
         node_above_.push_back(range.above);
         // The line is what these numbers say: it has no error.
-        const LineId line = lines.add_kd_line({{n[0], n[1], n[2]}, 0.0f, none, none});
+        const LineId line =
+            lines.add_kd_line({{n[0], n[1], n[2]}, 0.0f, invalid_index, invalid_index});
         nodes_.push_back({line, {Branch::cell(CellId(0u)), Branch::cell(CellId(0u))}});
         pending.push_back({cut, range.end, Place(node, 1), range.depth + 1});
         pending.push_back({range.begin, cut, Place(node, 0), range.depth + 1});

@@ -48,7 +48,7 @@ class LocalLines {
   void count_use(LineId id, bool more) {
     if (!is_local(id)) return;
     std::uint32_t& uses = lines_[id.value() - first_local_line].uses;
-    SHADOWCUT_ASSERT(uses != none && (more || uses > 0));
+    SHADOWCUT_ASSERT(uses != invalid_index && (more || uses > 0));
     if (more) {
       ++uses;
     } else if (--uses == 0) {
@@ -61,8 +61,8 @@ class LocalLines {
     for (const LineId id : idle_) {
       std::uint32_t& uses = lines_[id.value() - first_local_line].uses;
       if (uses != 0) continue;
+      uses = invalid_index;  // the list may hold the line twice
       SHADOWCUT_ASSERT(is_local(id));
-      uses = none;  // the list may hold the line twice
       free_.give_back(id);
     }
     idle_.clear();

@@ -190,7 +190,7 @@ void SvbspTree::release_node(NodeId node, bool is_sp) {
 LineId SvbspTree::add_local_copy(LineId id) {
   SHADOWCUT_ASSERT(id.valid());
   Line copy = line(id);
-  copy.a = copy.b = none;
+  copy.a = copy.b = invalid_index;
   return lines.add_idle(copy, tables_->is_exact() ? predicates().exact(id) : LightLine{});
 }
 

@@ -221,7 +221,7 @@ class TreeCheck {
   std::string check_uses() const {
     for (std::size_t i = 0; i < uses_.size(); ++i) {
       const std::uint32_t counted = tree_.lines.all()[i].uses;
-      if (uses_[i] != (counted == none ? 0 : counted))
+      if (uses_[i] != (counted == invalid_index ? 0 : counted))
         return message("a line's uses are counted wrongly", i);
     }
     return {};

@@ -1,12 +1,12 @@
-// The engine's types. What the words mean (fragment, facet, side, reach, kernel, form) is said in
-// include/shadowcut/*.hpp, once; the words of enums are theirs in camelCase.
+// The types of the engine. include/shadowcut/*.hpp define the terms (fragment, facet, side, range,
+// kernel, form); names are those of C++ in camelCase.
 //
 // Units and frame: one right-handed world frame in the caller's length unit; areas are that
 // squared; angles are radians. Positions are x, y, z one after another; a pose is sixteen numbers,
 // row by row, local to world (three.js has columns: matrix.clone().transpose()).
 //
-// Everything is handed out as a copy, unless it says otherwise. What has dispose() is to be
-// disposed of; used afterwards it throws. Every function throws ShadowcutError.
+// Results are copies unless stated otherwise. Objects with dispose() must be disposed of, and throw
+// when they are used afterwards. Every function throws ShadowcutError on failure.
 
 export type Status =
   | 'INVALID_ARGUMENT'
@@ -22,39 +22,41 @@ export class ShadowcutError extends Error {
   constructor(status: Status, message: string);
 }
 
-/** As an index: no such thing. */
-export const none: 0xffffffff;
+/** Stands for "no index". */
+export const invalidIndex: 0xffffffff;
 
 export interface LoadOptions {
-  /** dist/shadowcut.wasm, where one has it at hand. */
+  /** The contents of dist/shadowcut.wasm. */
   wasmBinary?: ArrayBuffer | ArrayBufferView;
-  /** Where it is; otherwise next to this module. */
+  /** The location of dist/shadowcut.wasm; otherwise next to this module. */
   wasmUrl?: string | URL;
-  /** Bytes, from 16 MiB on; otherwise 4 GiB. */
+  /** In bytes, at least 16 MiB; otherwise 4 GiB. */
   maximumMemory?: number;
 }
-/** The engine in a module of its own, with its own memory: what is made in one cannot be used in another. */
+/** The engine in a new module with a memory of its own: objects of one module cannot be used with another. */
 export function load(options?: LoadOptions): Promise<Shadowcut>;
 
 export interface Shadowcut {
   readonly version: string;
+  /** Major, minor, patch. */
+  readonly versionNumbers: [number, number, number];
   readonly Scene: new () => Scene;
   /** Follows the scene, and keeps it alive. Builds nothing yet. */
   readonly Engine: new (scene: Scene, options?: Options) => Engine;
   /** Empty buffers for one light, by its index, or for the partition by all. */
   readonly Buffers: new (light: number | 'all', layout?: BufferLayout) => Buffers;
-  /** The one-off call. */
+  /** Computes the shadows of one light once. */
   castShadows(scene: Scene, light: Light, options?: Options): Shadows;
   /** A short English phrase. */
-  describe(reason: Reason): string;
+  reasonText(reason: Reason): string;
   /** Whether the face was refused; otherwise it was repaired. */
-  refuses(reason: Reason): boolean;
-  /** The size of the module's memory. It only grows. */
+  isRefusal(reason: Reason): boolean;
+  /** The size of the module's memory, which never shrinks. */
   readonly memoryBytes: number;
 }
 
 export interface Disposable {
-  /** Gives the memory back. Once is enough; twice does no harm. Does nothing where an engine lends it. */
+  /** Frees the memory. Calling it again has no effect, nor has calling it on objects that belong to an engine. */
   dispose(): void;
   readonly disposed: boolean;
 }
@@ -65,12 +67,12 @@ export type Vec3 = [number, number, number];
 // ---- Scenes
 
 export interface Mesh {
-  /** In the object's frame. Doubles, unless it is a Float32Array. */
+  /** In the frame of the object: floats if it is a Float32Array, otherwise doubles. */
   positions: Numbers;
-  /** Faces without holes, one after another: triangles, or as many corners as cornerCounts says of each. */
+  /** The corners of faces without holes, one after another: triangles, or cornerCounts gives the number of corners of each. */
   indices?: Numbers;
   cornerCounts?: number[] | Int32Array;
-  /** Faces: an outer loop, or [outer loop, hole, ...]. Counter-clockwise seen from the front. After those of `indices`. */
+  /** More faces, after those of `indices`: an outer loop, or [outer loop, hole, ...], counter-clockwise seen from the front. */
   faces?: (number[] | number[][])[];
 }
 export interface ObjectId {
@@ -82,26 +84,29 @@ export type LightId = ObjectId;
 export type Sides = 'automatic' | 'closed' | 'open';
 export interface ObjectSettings {
   sides?: Sides;
-  casts?: boolean;
-  receives?: boolean;
-  /** Expected to move: kept at the leaves of the tree. */
-  moves?: boolean;
+  castsShadows?: boolean;
+  receivesShadows?: boolean;
+  /** Expected to move: inserted last, at the leaves of the tree. */
+  dynamic?: boolean;
   pose?: Numbers;
   name?: string;
 }
 export interface Light {
   kind?: 'point' | 'directional';
-  /** A point light's place; the direction in which a directional light travels. */
-  at?: Numbers;
+  /** Of a point light. */
+  position?: Numbers;
+  /** Of the rays of a directional light; any length except zero. */
+  direction?: Numbers;
+  /** Of a point light, as `spot`: with a directional light they are REFUSED. */
   range?: number;
   spot?: { axis: Numbers; halfAngle: number };
   name?: string;
 }
 export interface SceneObject {
   sides: Sides;
-  casts: boolean;
-  receives: boolean;
-  moves: boolean;
+  castsShadows: boolean;
+  receivesShadows: boolean;
+  dynamic: boolean;
   firstFace: number;
   faceCount: number;
   firstVertex: number;
@@ -126,7 +131,7 @@ export interface SceneCounts {
   edges: number;
   planes: number;
   issues: number;
-  /** How often the scene has been changed. */
+  /** The number of changes made to the scene. */
   revision: number;
 }
 export interface Face {
@@ -144,7 +149,7 @@ export interface Facet {
 }
 export interface Corner {
   vertex: number;
-  /** (index of the edge << 1) | 1 when it runs from b to a. */
+  /** (index of the edge << 1) | 1 if it runs from b to a. */
   edge: number;
 }
 export interface Plane {
@@ -171,38 +176,38 @@ export interface Issue {
 }
 
 export interface Scene extends Disposable {
-  /** Faces that cannot be used (NaN positions, say) are left out, and listed among the issues. */
+  /** Faces that are not usable (for example with NaN positions) are left out and reported as issues. */
   add(mesh: Mesh, settings?: ObjectSettings): ObjectId;
   remove(id: ObjectId): void;
   setPose(id: ObjectId, pose: Numbers): void;
-  /** As many as the object's mesh has, in its own frame. */
+  /** As many vertices as the object's mesh has, in the frame of the object. */
   setVertices(id: ObjectId, positions: Numbers): void;
-  setCasts(id: ObjectId, casts: boolean): void;
-  setReceives(id: ObjectId, receives: boolean): void;
+  setCastsShadows(id: ObjectId, castsShadows: boolean): void;
+  setReceivesShadows(id: ObjectId, receivesShadows: boolean): void;
   addLight(light: Light): LightId;
   removeLight(id: LightId): void;
   setLight(id: LightId, light: Light): void;
   replaceLights(lights: Light[]): void;
-  /** Before objects are added. */
+  /** To be set before objects are added. */
   setTolerances(tolerances: { flatness: number; coplanarity: number }): void;
   readonly tolerances: { flatness: number; coplanarity: number };
-  /** A scene of its own, which knows the ids of the original. */
+  /** An independent copy, in which the ids of the original are valid. */
   copy(): Scene;
 
   readonly counts: SceneCounts;
-  /** Of what stands at an index. */
+  /** The id of the object at an index. NOT_FOUND: the index is free. */
   objectId(index: number): ObjectId;
   lightId(index: number): LightId;
   object(id: ObjectId): SceneObject;
-  /** The first of an object's faces: object(id).firstFace, without reading the rest. */
+  /** object(id).firstFace, without reading the other members. */
   firstFace(id: ObjectId): number;
   light(id: LightId): Light;
-  /** What add() takes to make the object again as it stands. */
-  given(id: ObjectId): {
+  /** The arguments of add() that recreate the object in its present state. */
+  source(id: ObjectId): {
     mesh: { positions: Float64Array; faces: number[][][] };
     settings: Required<ObjectSettings>;
   };
-  /** Indices of the objects changed after a revision, the one changed longest ago first. */
+  /** Indices of the objects changed after a revision, the least recently changed one first. */
   changedSince(revision: number): Uint32Array;
   // The scene flattened, in world coordinates: all, or `count` from `first` on.
   faces(first?: number, count?: number): Face[];
@@ -216,19 +221,25 @@ export interface Scene extends Disposable {
 
 // ---- Shadows
 
+/** Parameters of speed and memory. They do not change the lit regions. */
+export interface Tuning {
+  order?: 'solidAngle' | 'asGiven' | 'random';
+  seed?: number | bigint;
+  facetsPerCell?: number;
+  incremental?: boolean;
+  joinThreshold?: number;
+}
+/** An option that does not apply is REFUSED. */
 export interface Options {
   kernel?: 'fast' | 'exact';
   form?: 'pieces' | 'merged' | 'conforming';
-  order?: 'solidAngle' | 'asGiven' | 'random';
-  seed?: number | bigint;
-  /** One is what there is. */
+  /** The module has one thread. */
   threads?: number;
-  facetsPerCell?: number;
   minArea?: number;
   minSolidAngle?: number;
-  edits?: boolean;
-  joinThreshold?: number;
+  /** Needs the exact kernel, and the form 'pieces' or 'merged'. */
   constructions?: boolean;
+  tuning?: Tuning;
 }
 export interface FragmentId {
   cell: number;
@@ -239,9 +250,9 @@ export interface Fragment {
   id: FragmentId;
   face: number;
   facet: number;
-  /** `none`: lit, or turned away. */
+  /** `invalidIndex`: lit, or turned away. */
   caster: number;
-  /** Of its block's corners. */
+  /** Index into the corners of its block. */
   firstCorner: number;
   cornerCount: number;
   lit: boolean;
@@ -290,18 +301,18 @@ export interface Stats {
   emitMs: number;
   markedNodes: number;
   longestLocationList: number;
-  cellsBuiltAgain: number;
+  cellsRebuilt: number;
   joined: number;
   deferred: number;
 }
-/** Of one light. One's own from castShadows(); an engine's follow it, and throw NOT_FOUND while there is no such light. */
+/** The shadows of one light. Those of an engine follow its updates, and throw NOT_FOUND while the light does not exist. */
 export interface Shadows extends Disposable {
   readonly blockCount: number;
   fragmentCount(block: number): number;
   fragments(block: number, first?: number, count?: number): Fragment[];
   /** x, y, z of the block's corners, counter-clockwise seen from the light. */
   corners(block: number): Float64Array;
-  /** What the corners are, exactly; none unless Options.constructions. */
+  /** The exact definitions of the corners; empty unless Options.constructions. */
   constructions(block: number, first?: number, count?: number): Construction[];
   /** By the scene's faces. */
   areas(first?: number, count?: number): FaceArea[];
@@ -317,8 +328,8 @@ export interface LightChanges {
   readonly goneCount: number;
   readonly addedCount: number;
   readonly areaCount: number;
-  // Copied when asked for, and known until the engine's next update: NOT_FOUND afterwards. Apply
-  // `gone` before `added`.
+  // Copied when read, until the engine's next update; NOT_FOUND afterwards. Apply `gone` before
+  // `added`.
   readonly gone: FragmentId[];
   readonly added: { id: FragmentId; index: number }[];
   readonly areas: { face: number; area: FaceArea }[];
@@ -331,30 +342,32 @@ export interface Changes {
   lights: LightChanges[];
 }
 export interface Engine extends Disposable {
-  /** Applies all edits since the last one; the first builds. OUT_OF_MEMORY: see mustCompact. */
+  /** Applies all edits since the last update; the first update builds. OUT_OF_MEMORY: see mustCompact. */
   update(): Changes;
-  /** Stops between objects once the time is up. */
+  /** The same, but stops between two objects when the time, in milliseconds, is over. */
   updateWithin(ms: number): Changes;
-  /** Builds everything anew. */
+  /** Rebuilds everything. */
   compact(): Changes;
-  /** Of the last update or compact. */
+  /** The changes of the last update or compact. */
   readonly changes: Changes;
   /** An update ran out of memory: everything but compact() and dispose() throws MUST_COMPACT until compact() has succeeded. */
   readonly mustCompact: boolean;
   readonly progress: number;
-  /** The engine's own copy, which the shadows are of; lent, to be read only. */
+  /** The engine's copy of the scene, to which all indices refer. Read only. */
   readonly scene: Scene;
   readonly lightCount: number;
   shadows(light: number): Shadows;
   find(light: number, id: FragmentId): Fragment | undefined;
-  /** By face: a bound of the area that may be in the other state. */
-  undecided(light: number): Float64Array;
+  /** For each face an upper bound on the area whose state, lit or shadowed, may be wrong. */
+  uncertainArea(light: number): Float64Array;
+  /** Whether a light reaches a point of a face (index into the faces of `scene`). The point is taken as on the face's plane. */
+  isLit(light: number, face: number, point: Numbers): boolean;
   /** One partition for all lights, or the part of it on these faces. */
-  combined(faces?: Numbers): LightSets;
+  overlay(faces?: Numbers): LightPartition;
   /** Checks every invariant; for tests. */
   validate(): void;
 }
-export interface LightSets extends Disposable {
+export interface LightPartition extends Disposable {
   readonly fragmentCount: number;
   /** 64-bit words of a fragment's set of lights. */
   readonly maskWords: number;
@@ -378,7 +391,7 @@ export interface BufferLayout {
   states?: boolean;
   masks?: boolean;
   show?: 'all' | 'lit' | 'shadowed';
-  /** Positions are handed out less this. */
+  /** Subtracted from all positions. */
   origin?: Numbers;
   holeShare?: number;
   joinedGap?: number;
@@ -391,7 +404,7 @@ export interface BuffersInfo {
   fragmentCount: number;
   holeVertices: number;
   maskWords: number;
-  /** Capacities or maskWords changed: make arrays and buffers of the new capacity; the ranges are everything. */
+  /** A capacity or maskWords changed: create arrays and buffers of the new capacity. The ranges cover everything. */
   grown: boolean;
   changedVertexRanges: number;
   changedIndexRanges: number;
@@ -406,28 +419,28 @@ export interface Streams {
   indices: Uint32Array;
 }
 export interface Buffers extends Disposable {
-  /** After every update of the engine. After one that was missed, or another engine's, everything is filled anew. */
+  /** To be called after every update of the engine. Refills the buffers after a skipped update, or for another engine. */
   update(engine: Engine): void;
-  fill(scene: Scene, shadows: Shadows | LightSets): void;
-  /** The next update fills everything anew. */
+  fill(scene: Scene, shadows: Shadows | LightPartition): void;
+  /** The next update refills the buffers. */
   setOrigin(origin: Numbers): void;
   readonly info: BuffersInfo;
   /**
-   * A view of the module's memory, as long as the capacity. It is dead after the next change of the buffers, and after whatever makes
-   * the memory grow (its length is 0 then), which any call may: use it at once, and do not keep it.
+   * A view of the module's memory, as long as the capacity. It is invalid after the next change of the buffers, and when the memory
+   * has grown (its length is 0 then), which any call may cause: use it at once, and do not keep it.
    */
   stream<Name extends keyof Streams>(name: Name): Streams[Name];
-  /** Elements for each vertex, or index. */
+  /** The number of elements for each vertex, or index. */
   itemSize(name: keyof Streams): number;
-  /** What the last update changed, in vertices and indices. */
+  /** The ranges of vertices and indices that the last update changed. */
   readonly changedVertices: { first: number; count: number }[];
   readonly changedIndices: { first: number; count: number }[];
-  /** The same as first, count, first, count, ...: for pages that read them every frame, and want nothing collected. */
+  /** The same as first, count, first, count, ...: without an object for each range. */
   readonly changedVertexNumbers: Uint32Array;
   readonly changedIndexNumbers: Uint32Array;
-  /** The same in a stream's elements: what three.js' BufferAttribute.addUpdateRange(start, count) takes. */
+  /** The same in elements of a stream: the arguments of three.js' BufferAttribute.addUpdateRange(start, count). */
   changedRanges(name: keyof Streams): { start: number; count: number }[];
-  /** Copies them to an array of the page's own, as long as the stream or longer, which no growth touches; and returns them. */
+  /** Copies these ranges to an array outside the module, at least as long as the stream, and returns them. */
   copyChanged(
     name: keyof Streams,
     target: Streams[keyof Streams],

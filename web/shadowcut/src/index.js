@@ -1,19 +1,20 @@
 // The engine in JavaScript: scenes, engines that follow them, their shadows, and vertex buffers
-// that follow engines. A thin layer over c.h, where every function is explained; index.d.ts says
-// what the members here take and give.
+// that follow engines. A thin layer over c.h, which documents every function; index.d.ts documents
+// the members.
 //
-// Memory of the module's is not JavaScript's: what was made by `new`, copy(), castShadows() or
-// combined() is to be given back by dispose(). Nothing else does that.
+// JavaScript does not collect the module's memory: objects made by `new`, copy(), castShadows() or
+// overlay() must be freed by dispose().
 import { Module, ShadowcutError, numberOf } from './module.js';
 
 export { ShadowcutError };
-export const none = 0xffffffff; // as an index: no such thing
+export const invalidIndex = 0xffffffff; // stands for "no index"
 
 // Resolves to the engine in a module of its own: what is made in one cannot be used in another.
 export async function load(options) {
   const module = await Module.load(options);
   return Object.freeze({
     version: module.text(module.c.shadowcut_version()),
+    versionNumbers: versionNumbers(module),
     Scene: class extends Scene {
       constructor() {
         super(module, module.value('scene_create'));
@@ -30,11 +31,20 @@ export async function load(options) {
       }
     },
     castShadows: (scene, light, options) => castShadows(module, scene, light, options),
-    describe: (reason) => module.text(module.c.shadowcut_describe(numberOf('reason', reason))),
-    refuses: (reason) => module.c.shadowcut_refuses(numberOf('reason', reason)) === 1,
+    reasonText: (reason) => module.text(module.c.shadowcut_reason_text(numberOf('reason', reason))),
+    isRefusal: (reason) => module.c.shadowcut_is_refusal(numberOf('reason', reason)) === 1,
     get memoryBytes() {
       return module.buffer.byteLength;
     },
+  });
+}
+
+// [major, minor, patch] of the module.
+function versionNumbers(module) {
+  return module.within(() => {
+    const at = module.take(12);
+    module.c.shadowcut_version_numbers(at, at + 4, at + 8);
+    return Array.from(module.array(Uint32Array, at, 3));
   });
 }
 
@@ -141,15 +151,17 @@ function readMesh(module, mesh) {
   return { positions, faces };
 }
 
-// {kind, at, range, spot: {axis, halfAngle}, name} and what c.h makes of it.
+// {kind, position or direction, range, spot: {axis, halfAngle}, name}, and c.h's struct.
 function putLight(module, { spot, ...light }) {
   return module.put(
     'light',
     spot ? { ...light, hasSpot: true, spotAxis: spot.axis, spotHalfAngle: spot.halfAngle } : light,
   );
 }
-function lightOf({ hasSpot, spotAxis, spotHalfAngle, ...light }) {
-  return { ...light, spot: hasSpot ? { axis: spotAxis, halfAngle: spotHalfAngle } : undefined };
+function lightOf({ hasSpot, spotAxis, spotHalfAngle, position, direction, ...light }) {
+  if (light.kind === 'directional') return { ...light, direction, spot: undefined };
+  const spot = hasSpot ? { axis: spotAxis, halfAngle: spotHalfAngle } : undefined;
+  return { ...light, position, spot };
 }
 
 const putPose = (module, pose) => {
@@ -196,11 +208,11 @@ class Scene extends Handle {
       this.#edit(`set_vertices${suffix}`, id, at, count);
     });
   }
-  setCasts(id, casts) {
-    this.#edit('set_casts', id, casts ? 1 : 0);
+  setCastsShadows(id, castsShadows) {
+    this.#edit('set_casts_shadows', id, castsShadows ? 1 : 0);
   }
-  setReceives(id, receives) {
-    this.#edit('set_receives', id, receives ? 1 : 0);
+  setReceivesShadows(id, receivesShadows) {
+    this.#edit('set_receives_shadows', id, receivesShadows ? 1 : 0);
   }
   #edit(name, id, ...args) {
     const { module } = this;
@@ -269,12 +281,12 @@ class Scene extends Handle {
       module.within(() => module.struct('light', 'scene_light', this.at, module.putId(id))),
     );
   }
-  given(id) {
+  source(id) {
     const { module } = this;
     return module.within(() => {
       const mesh = module.take(4),
         settings = module.begin('objectSettings');
-      module.call('scene_given', this.at, module.putId(id), mesh, settings);
+      module.call('scene_source', this.at, module.putId(id), mesh, settings);
       const at = module.data.getUint32(mesh, true);
       try {
         return { mesh: readMesh(module, at), settings: module.read('objectSettings', settings) };
@@ -432,23 +444,38 @@ class Engine extends Handle {
       throw error;
     }
   }
-  undecided(light) {
+  uncertainArea(light) {
     const { faces } = this.scene.counts;
     return this.module.within(() => {
       const at = this.module.take(8 * faces);
-      this.module.call('engine_undecided', this.at, light, faces, at);
+      this.module.call('engine_uncertain_area', this.at, light, faces, at);
       return this.module.array(Float64Array, at, faces).slice();
     });
   }
-  combined(faces) {
+  isLit(light, face, point) {
     const { module } = this;
-    if (!faces) return new LightSets(module, module.value('engine_combined', this.at));
+    if (point?.length !== 3)
+      throw new ShadowcutError('INVALID_ARGUMENT', 'a point must have three numbers');
     return module.within(
       () =>
-        new LightSets(
+        module.value(
+          'engine_is_lit',
+          this.at,
+          light,
+          face,
+          module.putArray(point, Float64Array),
+        ) === 1,
+    );
+  }
+  overlay(faces) {
+    const { module } = this;
+    if (!faces) return new LightPartition(module, module.value('engine_overlay', this.at));
+    return module.within(
+      () =>
+        new LightPartition(
           module,
           module.value(
-            'engine_combined_faces',
+            'engine_overlay_faces',
             this.at,
             module.putArray(faces, Uint32Array),
             faces.length,
@@ -505,27 +532,33 @@ class LightChanges {
 // ---- Several lights
 // ------------------------------------------------------------------------------------------------------------------
 
-class LightSets extends Handle {
+class LightPartition extends Handle {
   constructor(module, at) {
-    super(module, at, 'light_sets');
+    super(module, at, 'light_partition');
   }
   get fragmentCount() {
-    return this.module.values(2, 'light_sets_count', this.at)[0];
+    return this.module.values(2, 'light_partition_count', this.at)[0];
   }
   get maskWords() {
-    return this.module.values(2, 'light_sets_count', this.at)[1];
+    return this.module.values(2, 'light_partition_count', this.at)[1];
   }
   fragments(first = 0, count = this.fragmentCount - first) {
-    return this.module.list('setFragment', first, count, 'light_sets_fragments', this.at);
+    return this.module.list(
+      'partitionFragment',
+      first,
+      count,
+      'light_partition_fragments',
+      this.at,
+    );
   }
   get masks() {
-    const [count, words] = this.module.values(2, 'light_sets_count', this.at);
+    const [count, words] = this.module.values(2, 'light_partition_count', this.at);
     return this.module
-      .array(BigUint64Array, this.module.value('light_sets_masks', this.at), count * words)
+      .array(BigUint64Array, this.module.value('light_partition_masks', this.at), count * words)
       .slice();
   }
   get corners() {
-    const [xyz, count] = this.module.values(2, 'light_sets_corners', this.at);
+    const [xyz, count] = this.module.values(2, 'light_partition_corners', this.at);
     return this.module.array(Float64Array, xyz, 3 * count).slice();
   }
 }
@@ -547,7 +580,7 @@ class Buffers extends Handle {
   #doubles;
   #info = null; // until the next change
   constructor(module, light, layout) {
-    const index = light === 'all' ? none : light;
+    const index = light === 'all' ? invalidIndex : light;
     super(
       module,
       module.within(() =>
@@ -565,8 +598,13 @@ class Buffers extends Handle {
     const { module } = this;
     this.#info = null;
     const from = addressOf(module, scene, Scene);
-    if (shadows instanceof LightSets)
-      module.call('buffers_fill_sets', this.at, from, addressOf(module, shadows, LightSets));
+    if (shadows instanceof LightPartition)
+      module.call(
+        'buffers_fill_partition',
+        this.at,
+        from,
+        addressOf(module, shadows, LightPartition),
+      );
     else module.call('buffers_fill', this.at, from, addressOf(module, shadows, Shadows));
   }
   setOrigin(origin) {

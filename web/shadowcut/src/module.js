@@ -221,17 +221,20 @@ export class Module {
     }
   }
 
-  // A struct with these members, and what its *_init function says for all others. Throws for
-  // members that there are not.
+  // A struct with these members, and the values of its *_init function for all others. Throws for
+  // unknown members.
   put(kind, values = {}) {
     const at = this.begin(kind);
+    this.write(kind, at, values);
+    return at;
+  }
+  write(kind, at, values) {
     const { members } = structs[kind];
     for (const [name, value] of Object.entries(values)) {
       const member = members.find((m) => m.name === name && name !== 'size');
       if (!member) throw new ShadowcutError('INVALID_ARGUMENT', `there is no ${name} in ${kind}`);
       if (value !== undefined) this.writeMember(member, at + member.offset, value);
     }
-    return at;
   }
   // The id of an object or a light: as put() would, without looking for names, because edits come
   // every frame.
@@ -268,6 +271,8 @@ export class Module {
         const text = this.putText(value);
         return this.data.setUint32(at, text, true);
       }
+      default:
+        return this.write(member.is, at, value);
     }
   }
 }

@@ -36,8 +36,8 @@ function stateOf(engine, light) {
       ((hashes = (hashes + hashOf(fragment, corners)) >>> 0), ++fragments);
   }
   const areas = shadows.areas().flatMap(({ lit, shadowed }) => [lit, shadowed]);
-  const undecided = engine.undecided(light).reduce((a, b) => a + b, 0);
-  return { fragments, hashes, areas, undecided };
+  const uncertain = engine.uncertainArea(light).reduce((a, b) => a + b, 0);
+  return { fragments, hashes, areas, uncertain };
 }
 
 function apply(scene, ids, objects, step) {
@@ -45,9 +45,9 @@ function apply(scene, ids, objects, step) {
     ids[step.add] = scene.add(objects[step.add].mesh, objects[step.add].settings);
   else if (step.remove !== undefined) scene.remove(ids[step.remove]);
   else if (step.light) scene.setLight(scene.lightId(0), step.light);
-  else if (step.casts !== undefined) {
-    scene.setCasts(ids[step.object], step.casts);
-    objects[step.object].settings.casts = step.casts;
+  else if (step.castsShadows !== undefined) {
+    scene.setCastsShadows(ids[step.object], step.castsShadows);
+    objects[step.object].settings.castsShadows = step.castsShadows;
   } else if (step.pose) {
     scene.setPose(ids[step.object], step.pose);
     objects[step.object].settings.pose = step.pose;
@@ -64,12 +64,12 @@ for (const { name, kernel, objects, lights, steps } of histories) {
       apply(scene, ids, objects, step);
       engine.update();
       step.lights.forEach((native, light) => {
-        const { undecided, ...here } = stateOf(engine, light);
-        const { undecided: _, ...there } = native;
+        const { uncertain, ...here } = stateOf(engine, light);
+        const { uncertain: _, ...there } = native;
         assert.deepEqual(here, there, `after edit ${k}, light ${light}`);
         assert.ok(
-          Math.abs(undecided - native.undecided) <= 1e-9 * native.undecided,
-          `undecided after edit ${k}, light ${light}`,
+          Math.abs(uncertain - native.uncertain) <= 1e-9 * native.uncertain,
+          `uncertain after edit ${k}, light ${light}`,
         );
       });
     });

@@ -7,7 +7,7 @@ import test from 'node:test';
 import { Worker } from 'node:worker_threads';
 import { gzipSync } from 'node:zlib';
 import { functions } from '../dist/interface.js';
-import { ShadowcutError, load, none } from '../src/index.js';
+import { ShadowcutError, load, invalidIndex } from '../src/index.js';
 
 const shadowcut = await load();
 
@@ -71,8 +71,8 @@ function smallTown(next, houses) {
       pose: at(18 * next(), 18 * next(), 0),
     }),
   );
-  scene.addLight({ at: [10, 10, 12] });
-  scene.addLight({ kind: 'directional', at: [0.3, -0.4, -1] });
+  scene.addLight({ position: [10, 10, 12] });
+  scene.addLight({ kind: 'directional', direction: [0.3, -0.4, -1] });
   return { scene, ids };
 }
 
@@ -135,8 +135,8 @@ test('buffers kept from changed ranges are the whole buffers, through 200 edits'
   for (let edit = 0; edit < 200; ++edit) {
     const id = ids[Math.floor(next() * ids.length)];
     if (next() < 0.1)
-      scene.setLight(scene.lightId(0), { at: [20 * next(), 20 * next(), 8 + 4 * next()] });
-    else if (next() < 0.2) scene.setCasts(id, next() < 0.5);
+      scene.setLight(scene.lightId(0), { position: [20 * next(), 20 * next(), 8 + 4 * next()] });
+    else if (next() < 0.2) scene.setCastsShadows(id, next() < 0.5);
     else scene.setPose(id, at(18 * next(), 18 * next(), 2 * next()));
     engine.update();
     for (const { buffers, names, mirror } of followers) {
@@ -160,14 +160,49 @@ test('buffers kept from changed ranges are the whole buffers, through 200 edits'
   fresh.fill(engine.scene, engine.shadows(0));
   assert.equal(fresh.info.fragmentCount, followers[0].buffers.info.fragmentCount);
   fresh.dispose();
-  const sets = engine.combined();
-  assert.equal(sets.fragmentCount, followers[3].buffers.info.fragmentCount);
-  assert.equal(sets.masks.length, sets.fragmentCount * sets.maskWords);
-  assert.ok(engine.combined([0]).fragmentCount < sets.fragmentCount);
+  const partition = engine.overlay();
+  assert.equal(partition.fragmentCount, followers[3].buffers.info.fragmentCount);
+  assert.equal(partition.masks.length, partition.fragmentCount * partition.maskWords);
+  assert.ok(engine.overlay([0]).fragmentCount < partition.fragmentCount);
   engine.validate();
-  [sets, engine, scene, ...followers.map(({ buffers }) => buffers)].forEach((each) =>
+  [partition, engine, scene, ...followers.map(({ buffers }) => buffers)].forEach((each) =>
     each.dispose(),
   );
+});
+
+test('versions', () => {
+  assert.equal(shadowcut.versionNumbers.join('.'), shadowcut.version);
+});
+
+test('a point is lit like its fragment', () => {
+  const next = random(5);
+  const { scene, ids } = smallTown(next, 10);
+  const engine = new shadowcut.Engine(scene);
+  for (let edit = 0; edit < 10; ++edit) {
+    if (edit > 0) scene.setPose(ids[edit % ids.length], at(18 * next(), 18 * next(), 0));
+    engine.update();
+    for (const light of [0, 1]) {
+      const shadows = engine.shadows(light);
+      for (let block = 0; block < shadows.blockCount; ++block) {
+        const corners = shadows.corners(block);
+        for (const { face, lit, area, firstCorner, cornerCount } of shadows.fragments(block)) {
+          if (area < 1e-3) continue;
+          const middle = [0, 1, 2].map((k) => {
+            let sum = 0;
+            for (let i = 0; i < cornerCount; ++i) sum += corners[3 * (firstCorner + i) + k];
+            return sum / cornerCount;
+          });
+          assert.equal(engine.isLit(light, face, middle), lit);
+        }
+      }
+    }
+  }
+  fails('NOT_FOUND', () => engine.isLit(2, 0, [0, 0, 0]));
+  fails('INVALID_ARGUMENT', () => engine.isLit(0, 1e6, [0, 0, 0]));
+  fails('INVALID_ARGUMENT', () => engine.isLit(0, 0, [0, 0]));
+  fails('REFUSED', () => engine.isLit(0, 0, [0, NaN, 0]));
+  engine.dispose();
+  scene.dispose();
 });
 
 test('it runs in a worker', async () => {
@@ -216,7 +251,7 @@ test('what changed is what there is', () => {
   scene.dispose();
 });
 
-test('what a scene was given it gives back', () => {
+test('a scene gives back the source of an object', () => {
   const scene = new shadowcut.Scene();
   const positions = Float64Array.of(
     0,
@@ -253,14 +288,14 @@ test('what a scene was given it gives back', () => {
       ],
     ],
   };
-  const id = scene.add(mesh, { name: 'Tür', sides: 'open', moves: true, pose: at(1, 2, 3) });
-  const given = scene.given(id);
-  assert.deepEqual(given.mesh, mesh);
-  assert.deepEqual(given.settings, {
+  const id = scene.add(mesh, { name: 'Tür', sides: 'open', dynamic: true, pose: at(1, 2, 3) });
+  const source = scene.source(id);
+  assert.deepEqual(source.mesh, mesh);
+  assert.deepEqual(source.settings, {
     sides: 'open',
-    casts: true,
-    receives: true,
-    moves: true,
+    castsShadows: true,
+    receivesShadows: true,
+    dynamic: true,
     pose: at(1, 2, 3),
     name: 'Tür',
   });
@@ -269,18 +304,18 @@ test('what a scene was given it gives back', () => {
   scene.setVertices(id, new Float32Array(mesh.positions.map((x) => 2 * x)));
   assert.equal(scene.faces()[0].area, 60);
   const light = scene.addLight({
-    at: [0, 0, 9],
+    position: [0, 0, 9],
     range: 20,
     spot: { axis: [0, 0, -1], halfAngle: 1 },
   });
   assert.deepEqual(scene.light(light), {
     kind: 'point',
-    at: [0, 0, 9],
+    position: [0, 0, 9],
     range: 20,
     spot: { axis: [0, 0, -1], halfAngle: 1 },
     name: '',
   });
-  scene.replaceLights([{ at: [1, 1, 9] }, { kind: 'directional', at: [0, 0, -1] }]);
+  scene.replaceLights([{ position: [1, 1, 9] }, { kind: 'directional', direction: [0, 0, -1] }]);
   assert.equal(scene.light(scene.lightId(1)).kind, 'directional');
   const copy = scene.copy();
   scene.remove(id);
@@ -295,7 +330,7 @@ test('what a scene was given it gives back', () => {
   assert.ok(copy.changedSince(0).includes(indexed.index));
   const shadows = shadowcut.castShadows(
     copy,
-    { at: [0.5, 0.5, 5] },
+    { position: [0.5, 0.5, 5] },
     { kernel: 'exact', form: 'conforming' },
   );
   assert.ok(shadows.stats.litArea > 0);
@@ -316,23 +351,30 @@ test('errors', async () => {
   const [issue] = scene.issues();
   assert.equal(issue.reason, 'nonFinite');
   assert.ok(
-    shadowcut.refuses('nonFinite') &&
-      !shadowcut.refuses('notFlat') &&
-      shadowcut.describe('nonFinite').length > 0,
+    shadowcut.isRefusal('nonFinite') &&
+      !shadowcut.isRefusal('notFlat') &&
+      shadowcut.reasonText('nonFinite').length > 0,
   );
   fails('REFUSED', () => scene.setPose(nan, Array(16).fill(NaN)));
-  fails('REFUSED', () => scene.addLight({ at: [NaN, 0, 0] }));
-  fails('REFUSED', () => scene.addLight({ kind: 'directional', at: [0, 0, 0] }));
+  fails('REFUSED', () => scene.addLight({ position: [NaN, 0, 0] }));
+  fails('REFUSED', () => scene.addLight({ kind: 'directional', direction: [0, 0, 0] }));
+  fails('REFUSED', () =>
+    scene.addLight({ kind: 'directional', direction: [0, 0, -1], range: 5 }),
+  );
   fails('INVALID_ARGUMENT', () => scene.addLight({ kind: 'area' }));
+  fails('INVALID_ARGUMENT', () => new shadowcut.Engine(scene, { tuning: { facetsPerRoom: 1 } }));
+  fails('REFUSED', () => new shadowcut.Engine(scene, { constructions: true }));
+  const tuning = { order: 'random', seed: 3, incremental: false };
+  new shadowcut.Engine(scene, { tuning }).dispose();
   fails('INVALID_ARGUMENT', () => scene.setPose(nan, [1, 2, 3]));
   fails('INVALID_ARGUMENT', () => scene.add({ positions: [1, 2], faces: [] }));
   fails('INVALID_ARGUMENT', () => scene.add({ positions: [0, 0, 0], indices: [0, 0] }));
   fails('INVALID_ARGUMENT', () => scene.add(square(1, 0), { colour: 'red' }));
   fails('INVALID_ARGUMENT', () => new shadowcut.Engine({}));
   fails('INVALID_ARGUMENT', () => new shadowcut.Engine(scene, { kernel: 'exactly' }));
-  fails('REFUSED', () => shadowcut.castShadows(scene, { at: [0, 0, 1] }, { minArea: -1 }));
+  fails('REFUSED', () => shadowcut.castShadows(scene, { position: [0, 0, 1] }, { minArea: -1 }));
   fails('INVALID_ARGUMENT', () => scene.faces(0, 1000));
-  scene.addLight({ at: [0, 0, 1] });
+  scene.addLight({ position: [0, 0, 1] });
   const engine = new shadowcut.Engine(scene);
   const buffers = new shadowcut.Buffers(0);
   fails('NOT_FOUND', () => buffers.update(engine));
@@ -341,7 +383,7 @@ test('errors', async () => {
   fails('INVALID_ARGUMENT', () => engine.scene.add(square(1, 1)));
   buffers.update(engine);
   fails('NOT_FOUND', () => buffers.stream('masks'));
-  assert.equal(engine.find(0, { cell: none, piece: 0, place: 0 }), undefined);
+  assert.equal(engine.find(0, { cell: invalidIndex, piece: 0, place: 0 }), undefined);
   const shadows = engine.shadows(0);
   const elsewhere = await load();
   fails('INVALID_ARGUMENT', () => new elsewhere.Engine(scene));
@@ -365,14 +407,14 @@ test('memory that runs out is an exception; the engine must be compacted, and ot
   const bystanding = new small.Scene();
   bystanding.add(square(4, 0));
   bystanding.add(square(1, 1));
-  bystanding.addLight({ at: [1, 1, 4] });
+  bystanding.addLight({ position: [1, 1, 4] });
   const bystander = new small.Engine(bystanding);
   const [ground] = (bystander.update(), bystander.shadows(0).areas());
 
   const next = random(3);
   const scene = new small.Scene();
   scene.add(square(200, 0));
-  scene.addLight({ at: [100, 100, 50] });
+  scene.addLight({ position: [100, 100, 50] });
   const engine = new small.Engine(scene);
   engine.update();
   const ids = [];
@@ -392,8 +434,8 @@ test('memory that runs out is an exception; the engine must be compacted, and ot
   while (!engine.mustCompact) {
     assert.ok(ids.length < 1e5, 'memory does not run out');
     // Where an addition fails there may still be room for an update; for a tree beside the old one
-    // there is none.
-    if (runsOut(addSome)) scene.setLight(scene.lightId(0), { at: [100 + next(), 100, 50] });
+    // there is invalidIndex.
+    if (runsOut(addSome)) scene.setLight(scene.lightId(0), { position: [100 + next(), 100, 50] });
     assert.equal(
       runsOut(() => engine.update()),
       engine.mustCompact,

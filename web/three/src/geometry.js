@@ -25,7 +25,7 @@ import { FaceReader } from './faces.js';
 import { bitsPerNumber } from './materials.js';
 import { carried } from './sources.js';
 
-const none = 0xffffffff;
+const invalidIndex = 0xffffffff;
 const joinedVertexBytes = 8192; // ranges with no more than this between them are uploaded as one
 const joinedIndices = 512;
 const mostRanges = 256; // that wait for a renderer
@@ -245,7 +245,7 @@ export class FragmentGeometry {
       end = -1;
     for (let t = 0; t < this.#tripleCount; ++t) {
       const a = indices[3 * t];
-      if (faces[a] === none || !restyled.has(instances[objects[a]].entry)) continue;
+      if (faces[a] === invalidIndex || !restyled.has(instances[objects[a]].entry)) continue;
       fits = this.#putRight(t) && fits;
       const last = indices[3 * t + 2] + 1;
       this.#writeVertices(a, last);
@@ -264,7 +264,7 @@ export class FragmentGeometry {
     const { faces, objects, indices } = this.#streams;
     const a = indices[3 * t],
       face = faces[a];
-    if (face === none || indices[3 * t + 1] === a) return -1;
+    if (face === invalidIndex || indices[3 * t + 1] === a) return -1;
     const instance = this.#mirror.instances[objects[a]];
     const { slots, source } = instance.entry;
     return (source.groups ? slots[source.groups[face - instance.firstFace]] : slots[0]) ?? -1;
@@ -404,7 +404,7 @@ export class FragmentGeometry {
   #clearLines(first, end) {
     const { faces } = this.#streams;
     const { array } = this.#lineIndex;
-    for (let v = first; v < end; ++v) if (faces[v] === none) array[2 * v + 1] = array[2 * v];
+    for (let v = first; v < end; ++v) if (faces[v] === invalidIndex) array[2 * v + 1] = array[2 * v];
   }
   // Of triples: a fragment's follow each other as a fan, the last one closes it.
   #writeLines(first, end) {
@@ -414,7 +414,7 @@ export class FragmentGeometry {
       const a = indices[3 * t],
         b = indices[3 * t + 1],
         c = indices[3 * t + 2];
-      if (faces[a] === none) continue;
+      if (faces[a] === invalidIndex) continue;
       if (b === a + 1) ((array[2 * a] = a), (array[2 * a + 1] = b));
       ((array[2 * b] = b), (array[2 * b + 1] = c));
       ((array[2 * c] = c), (array[2 * c + 1] = a));
@@ -433,7 +433,7 @@ export class FragmentGeometry {
     let face = -1,
       frame = null;
     for (let v = first; v < end; ++v) {
-      if (faces[v] === none) continue; // a hole: nothing refers to it
+      if (faces[v] === invalidIndex) continue; // a hole: nothing refers to it
       if (faces[v] !== face) {
         face = faces[v];
         frame = reader.read(instances[objects[v]], face, this.origin);

@@ -5,14 +5,14 @@ import type { Engine, Scene, Shadowcut } from 'shadowcut';
 export interface SceneShadowsOptions {
   kernel?: 'fast' | 'exact';
   form?: 'pieces' | 'merged' | 'conforming';
-  /** As the engine's; otherwise 32, with which the slowest updates take about half as long as with the engine's own (128). */
+  /** As Options.tuning of the engine; otherwise 32, with which the slowest updates take about half as long as with the engine's own (128). */
   facetsPerCell?: number;
-  /** Stands between light and others. Otherwise mesh.castShadow. */
-  casts?: (mesh: Mesh) => boolean;
-  /** Is cut, and drawn by SceneShadows.mesh. Otherwise mesh.receiveShadow. */
-  receives?: (mesh: Mesh) => boolean;
-  /** Is expected to move: cheaper then. Asked when the mesh is met. Otherwise none is. */
-  moves?: (mesh: Mesh) => boolean;
+  /** Whether the mesh casts shadows; otherwise mesh.castShadow. */
+  castsShadows?: (mesh: Mesh) => boolean;
+  /** Whether the mesh receives shadows: it is cut, and drawn by SceneShadows.mesh. Otherwise mesh.receiveShadow. */
+  receivesShadows?: (mesh: Mesh) => boolean;
+  /** Whether the mesh is expected to move, which is cheaper then. Asked when the mesh is first seen. Otherwise false. */
+  dynamic?: (mesh: Mesh) => boolean;
   /** Has shadows: of point, spot and directional lights; otherwise all. Others light as if nothing stood before them. */
   follows?: (light: Light) => boolean;
   /** Where received meshes go while SceneShadows.mesh draws them: cameras do not see it, raycasters may enable it. Otherwise 31. */

@@ -11,9 +11,9 @@ import { Mirror, middleOf } from './mirror.js';
 const defaults = {
   kernel: 'fast',
   form: 'merged',
-  casts: (mesh) => mesh.castShadow,
-  receives: (mesh) => mesh.receiveShadow,
-  moves: () => false,
+  castsShadows: (mesh) => mesh.castShadow,
+  receivesShadows: (mesh) => mesh.receiveShadow,
+  dynamic: () => false,
   follows: () => true,
   layer: 31,
   // now and then a cell is built again: a quarter of the engine's own halves that moment, about
@@ -44,7 +44,11 @@ export class SceneShadows {
     this.#options = { ...defaults, ...options };
     const { kernel, form, facetsPerCell } = this.#options;
     this.scene = new shadowcut.Scene();
-    this.engine = new shadowcut.Engine(this.scene, { kernel, form, facetsPerCell });
+    this.engine = new shadowcut.Engine(this.scene, {
+      kernel,
+      form,
+      tuning: { facetsPerCell },
+    });
     this.mesh = new Mesh();
     this.#mirror = new Mirror(this.scene, scene, this.#options, this.#palette, this.mesh);
     this.#geometry = new FragmentGeometry(this.#mirror, this.#palette);

@@ -26,8 +26,8 @@ class Instance {
 class Entry {
   geometry = null;
   grouped = false; // it has several materials
-  casts = false;
-  receives = false;
+  castsShadows = false;
+  receivesShadows = false;
   instances = [];
   slots = []; // the palette's, by group
   materials = []; // by group, as they were when the slots were acquired
@@ -138,20 +138,20 @@ export class Mirror {
   // ---- Meshes
 
   #lookAtMesh(mesh) {
-    const casts = this.#options.casts(mesh),
-      receives = this.#options.receives(mesh);
-    if (!casts && !receives) return;
+    const castsShadows = this.#options.castsShadows(mesh),
+      receivesShadows = this.#options.receivesShadows(mesh);
+    if (!castsShadows && !receivesShadows) return;
     if (mesh.isBatchedMesh) return this.#report(mesh, 'a BatchedMesh is not followed');
     let entry = this.#entries.get(mesh);
     if (!entry) this.#entries.set(mesh, (entry = new Entry(mesh)));
     entry.stamp = this.#stamp;
     this.#chooseSource(entry);
     entry.source.check(this.#stamp);
-    this.#lookAtSettings(entry, casts, receives);
+    this.#lookAtSettings(entry, castsShadows, receivesShadows);
     this.#lookAtShape(entry);
     this.#lookAtStyle(entry);
     this.#lookAtPoses(entry);
-    if (receives && entry.instances.some((instance) => instance.id)) this.#move(mesh, entry);
+    if (receivesShadows && entry.instances.some((instance) => instance.id)) this.#move(mesh, entry);
     else this.#giveBack(mesh, entry);
   }
   // A posed mesh has a source of its own; others share their geometry's.
@@ -176,11 +176,12 @@ export class Mirror {
     return (pair[+grouped] ??= new Source(geometry, grouped, this.#options.joins));
   }
 
-  #lookAtSettings(entry, casts, receives) {
-    if (entry.casts !== casts) this.#set(entry, 'setCasts', casts);
-    if (entry.receives !== receives) this.#set(entry, 'setReceives', receives);
-    entry.casts = casts;
-    entry.receives = receives;
+  #lookAtSettings(entry, castsShadows, receivesShadows) {
+    if (entry.castsShadows !== castsShadows) this.#set(entry, 'setCastsShadows', castsShadows);
+    if (entry.receivesShadows !== receivesShadows)
+      this.#set(entry, 'setReceivesShadows', receivesShadows);
+    entry.castsShadows = castsShadows;
+    entry.receivesShadows = receivesShadows;
   }
   #set(entry, setter, value) {
     for (const { id } of entry.instances)
@@ -311,12 +312,12 @@ export class Mirror {
     this.#edit(instance);
   }
   #add(instance) {
-    const { mesh, source, casts, receives } = instance.entry;
+    const { mesh, source, castsShadows, receivesShadows } = instance.entry;
     const settings = {
       pose,
-      casts,
-      receives,
-      moves: this.#options.moves(mesh),
+      castsShadows,
+      receivesShadows,
+      dynamic: this.#options.dynamic(mesh),
       name: mesh.name || mesh.uuid,
     };
     instance.id = this.#scene.add(
@@ -426,7 +427,7 @@ export class Mirror {
     if (wanted) {
       this.#standIn = this.#scene.addLight({
         kind: 'point',
-        at: [0, 0, 0],
+        position: [0, 0, 0],
         range: Number.MIN_VALUE,
       });
     } else {
@@ -475,13 +476,13 @@ const told = {
 function descriptionOf(light, values) {
   const name = light.name || light.uuid;
   if (light.isDirectionalLight || light.isSunLight)
-    return { kind: 'directional', at: values, name };
-  const at = values.slice(0, 3),
+    return { kind: 'directional', direction: values, name };
+  const position = values.slice(0, 3),
     range = light.distance > 0 ? light.distance : Infinity;
-  if (light.isPointLight) return { kind: 'point', at, range, name };
+  if (light.isPointLight) return { kind: 'point', position, range, name };
   return {
     kind: 'point',
-    at,
+    position,
     range,
     spot: { axis: values.slice(4, 7), halfAngle: light.angle },
     name,

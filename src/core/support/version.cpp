@@ -1,0 +1,7 @@
+#include <shadowcut/version.hpp>
+
+namespace shadowcut {
+
+const char* version() { return SHADOWCUT_VERSION_STRING; }
+
+}  // namespace shadowcut
