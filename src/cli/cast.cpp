@@ -1,4 +1,4 @@
-// The command cast: scene and lights in, fragments and figures out.
+// The command cast: reads a scene, casts its shadows, writes fragments, areas and statistics.
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -22,14 +22,14 @@ void check_outputs(const CastArguments& a) {
     if (extension == ".svg") ++drawings;
     else if (extension != ".obj" && extension != ".ply" && extension != ".gltf" &&
              extension != ".glb")
-      throw Error("-o: '" + path + "' ends in none of .obj .ply .gltf .glb .svg");
+      throw Error("-o: '" + path + "': the extension is not one of .obj .ply .gltf .glb .svg");
     check_folder(path);
   }
   if (!a.areas.empty()) check_folder(a.areas);
   if (!a.json.empty() && a.json != "-") check_folder(a.json);
-  if (!a.drawings.empty() && drawings == 0) throw Error("--svg: no output ends in .svg");
+  if (!a.drawings.empty() && drawings == 0) throw Error("--svg: there is no output with the extension .svg");
   if (a.drawings.size() > 1 && a.drawings.size() != drawings)
-    throw Error("--svg: give one for all drawings, or one for each");
+    throw Error("--svg: give one view for all drawings, or one view for each drawing");
 }
 
 Engine build(const Scene& scene, const CastArguments& a, ProgressBar& bar) {
@@ -101,7 +101,7 @@ std::string table(const Scene& scene, const Engine& engine, const std::vector<Na
          table.text();
 }
 
-// The drawing for each output; those that are no drawings take none.
+// The view of each output. Only drawings use their view.
 std::vector<io::View> views_of(const Scene& scene, const std::vector<NamedLight>& lights,
                                const CastArguments& a) {
   std::vector<io::View> views;

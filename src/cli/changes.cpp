@@ -1,5 +1,5 @@
-// Changes as JSON lines; see changes.hpp. Written by hand, for the first line holds every fragment
-// of the scene.
+// Changes as JSON lines; see changes.hpp. The text is appended directly, without a JSON document,
+// because the first line holds every fragment of the scene.
 #include "changes.hpp"
 
 #include <nlohmann/json.hpp>

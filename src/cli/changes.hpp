@@ -1,4 +1,4 @@
-// What updates changed, as lines of JSON, in a file that is there only when all of them are.
+// The changes of updates as lines of JSON. The file appears only when it is complete.
 //
 //   {"update":U,"light":L,"rebuilt":BOOL,"removed":BOOL,
 //    "gone":[[cell,piece,place],...],
@@ -7,9 +7,9 @@
 //              "corners":[[x,y,z],...]},...],
 //    "areas":[{"face":F,"lit":A,"shadowed":A,"area":A},...]}
 //
-// A line for each light whose shadows changed. Update 0 is the build: a mirror that begins empty
-// and applies every line, `gone` first, holds the fragments that the engine lists. `face` and
-// `caster` are numbers of the scene's faces, `number` is the face's within its object.
+// There is one line for each light whose shadows changed. Update 0 is the build: a copy that begins
+// empty and applies every line, `gone` first, holds the same fragments as the engine. `face` and
+// `caster` are indices of faces of the scene, `number` is the number of the face in its object.
 #pragma once
 
 #include <cstddef>

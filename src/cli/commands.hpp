@@ -1,4 +1,4 @@
-// The program's commands and their arguments.
+// The commands of the program and their arguments.
 #pragma once
 
 #include <optional>
@@ -51,8 +51,8 @@ struct RenderArguments {
   std::vector<std::string> lights;
   std::string technique, camera, output;
   int width = 640, height = 480;
-  std::string wind, bias;       // empty: none, the usual
-  std::optional<int> map_side;  // the usual
+  std::string wind, bias;       // empty: no wind; the default bias
+  std::optional<int> map_side;  // nullopt: the default
   io::ReadOptions reading;
   std::string json;  // empty: none
   bool quiet = false;
@@ -61,20 +61,20 @@ struct RenderArguments {
 struct ViewArguments {
   std::string scene;  // empty: the furnished room
   std::vector<std::string> lights;
-  std::string technique = "fragments", camera;  // no camera: one is chosen
+  std::string technique = "fragments", camera;  // empty: a camera is chosen
   int width = 1024, height = 768;
   io::ReadOptions reading;
   bool quiet = false;
 };
 
-// All throw Error, or another std::exception, and then have left no output behind.
+// All commands throw Error, or another std::exception, and leave no output file behind then.
 void cast(const CastArguments& arguments);
 void inspect(const InspectArguments& arguments);
 void compare_algorithms(const CompareArguments& arguments);
 void render_picture(const RenderArguments& arguments);
 void view_scene(const ViewArguments& arguments);
-// Returns an empty string, or, with `verify`, a sentence that says where an update differs from a
-// rebuild.
+// Returns an empty string or, with `verify`, a sentence that names the first update that differs from
+// a rebuild.
 std::string replay(const ReplayArguments& arguments);
 
 }  // namespace shadowcut::cli

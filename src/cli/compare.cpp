@@ -1,4 +1,4 @@
-// The command compare: the published algorithms side by side on one scene.
+// The command compare: runs published algorithms on one scene.
 #include "compare/compare.hpp"
 
 #include <algorithm>
@@ -32,11 +32,11 @@ std::vector<Algorithm> parse_algorithms(const std::string& list) {
       if (name != compare::name_of(a)) continue;
       known = true;
       if (std::find(algorithms.begin(), algorithms.end(), a) != algorithms.end())
-        throw Error("--algorithms: '" + name + "' stands twice");
+        throw Error("--algorithms: '" + name + "' is given twice");
       algorithms.push_back(a);
     }
     if (!known)
-      throw Error("--algorithms: '" + name + "' is none of brute, ordered, tiling, unordered");
+      throw Error("--algorithms: '" + name + "' is not one of brute, ordered, tiling, unordered");
     begin = end + 1;
   }
   return algorithms;
@@ -48,7 +48,7 @@ std::vector<Row> run(const Scene& scene, const std::vector<NamedLight>& lights,
   for (const Algorithm a : algorithms) {
     std::vector<compare::Result> results = compare::cast(scene, scene.lights(), a, settings);
     for (std::size_t k = 0; k < results.size(); ++k) {
-      results[k].fragments = {};  // counted, and not shown
+      results[k].fragments = {};  // only their counts are reported
       rows.push_back({compare::name_of(a), lights[k].spec, std::move(results[k])});
     }
   }

@@ -1,7 +1,7 @@
 // The symmetric difference of lit regions; see difference.hpp.
 //
-// Polygons are not clipped here: the line through two corners that are 1e-15 apart has a direction
-// of its own, and would cut off what it liked. The common area of polygons P and Q is taken from
+// Polygons are not clipped here: the line through two corners that are 1e-15 apart has an arbitrary
+// direction, and would cut off an arbitrary part. The common area of polygons P and Q is taken from
 // their edges instead. With s(e) = +1 for edges that run to the left and -1 for the others, the
 // indicator of P is the sum over its edges of s(e) [y is below e], and so
 //   area(P and Q) = sum over edges e of P and f of Q of s(e) s(f) * integral of min(y_e, y_f) - y0
@@ -114,8 +114,8 @@ class Grid {
   std::vector<std::uint32_t> seen_;
 };
 
-// What of either is not just once in the other. By polygon, lest what is there twice makes up for
-// what is missing.
+// The area that is not exactly once in both layers. It is summed by polygon, so that an area covered
+// twice cannot compensate a missing one.
 double symmetric_difference(const Layer& one, const Layer& other) {
   if (one.polygons.empty() && other.polygons.empty()) return 0;
   std::vector<double> rest;
@@ -192,19 +192,52 @@ std::vector<double> lit_differences(const Scene& scene, const Shadows& one, cons
   return by_face;
 }
 
-Difference greatest_difference(const Scene& scene, const Shadows& one, const Shadows& other) {
-  const std::vector<double> regions = lit_differences(scene, one, other);
-  Difference greatest;
-  for (std::uint32_t f = 0; f < scene.faces().size(); ++f) {
+std::vector<double> difference_shares(const Scene& scene, const Shadows& one,
+                                      const Shadows& other) {
+  std::vector<double> shares = lit_differences(scene, one, other);
+  for (std::uint32_t f = 0; f < shares.size(); ++f) {
     const Face& face = scene.faces()[f];
-    if (face.facet_count == 0) continue;
-    const double region = regions[f];
-    const double area = std::abs(one.areas[f].lit - other.areas[f].lit);
-    const double share = std::isfinite(region + area) ? std::max(region, area) / face.area
-                                                      : std::numeric_limits<double>::infinity();
-    if (greatest.face == invalid_index || share > greatest.share) greatest = {share, f};
+    const double region = shares[f], area = std::abs(one.areas[f].lit - other.areas[f].lit);
+    if (face.facet_count == 0) shares[f] = 0;
+    else
+      shares[f] = std::isfinite(region + area) ? std::max(region, area) / face.area
+                                               : std::numeric_limits<double>::infinity();
+  }
+  return shares;
+}
+
+Difference greatest_difference(const Scene& scene, const Shadows& one, const Shadows& other) {
+  const std::vector<double> shares = difference_shares(scene, one, other);
+  Difference greatest;
+  for (std::uint32_t f = 0; f < shares.size(); ++f) {
+    if (scene.faces()[f].facet_count == 0) continue;
+    if (greatest.face == invalid_index || shares[f] > greatest.share) greatest = {shares[f], f};
   }
   return greatest;
+}
+
+double tolerance_of(const Scene& scene, const Light& light, std::uint32_t f, Kernel kernel) {
+  constexpr double largest = 1e-9, exact = 1e-12, unit_roundoff = 0x1p-53;
+  if (kernel == Kernel::fast) return largest;
+  const Face& face = scene.faces()[f];
+  double area = 0;
+  for (const Facet& facet : scene.facets().subspan(face.first_facet, face.facet_count)) {
+    const Plane& plane = scene.planes()[facet.plane];
+    const std::span<const Corner> corners = scene.corners_of(facet);
+    double outline = 0, slide = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Vec3& x = scene.vertices()[corners[i].vertex];
+      outline += (scene.vertices()[corners[(i + 1) % corners.size()].vertex] - x).norm();
+      const Vec3 ray =
+          light.kind == Light::Kind::point ? Vec3(light.position - x) : light.direction;
+      const double sine = std::abs(plane.normal.dot(ray)) / ray.norm();
+      const double off = plane.flatness + 4 * unit_roundoff * x.cwiseAbs().maxCoeff();
+      slide = std::max(slide, off / sine);
+    }
+    area += outline * slide;
+  }
+  const double tolerance = exact + area / face.area;
+  return tolerance < largest ? tolerance : largest;
 }
 
 }  // namespace shadowcut::cli

@@ -35,32 +35,32 @@ const std::vector<Form>& forms() {
 
 std::string quoted(const std::string& word) { return "'" + io::printable(word) + "'"; }
 
-// nlohmann::json keeps the last of several values of one key without a word.
+// nlohmann::json keeps the last of several values of one key and reports no error.
 json parse_line(std::string_view line) {
   std::set<std::string> keys;
   const auto see = [&keys](int depth, json::parse_event_t event, json& value) {
     if (event == json::parse_event_t::key && depth == 1 &&
         !keys.insert(value.get<std::string>()).second)
-      throw Error("the key " + quoted(value.get<std::string>()) + " stands there twice");
+      throw Error("the key " + quoted(value.get<std::string>()) + " occurs twice");
     return true;
   };
   try {
     return json::parse(line, see);
   } catch (const json::parse_error& error) {
-    throw Error("not JSON, from column " + std::to_string(error.byte) + " on");
+    throw Error("invalid JSON at column " + std::to_string(error.byte));
   } catch (const json::out_of_range&) {
-    throw Error("not JSON: a number is out of range");
+    throw Error("invalid JSON: a number is out of range");
   }
 }
 
 const Form& form_of(const json& object) {
   const auto op = object.find("op");
-  if (op == object.end()) throw Error("there is no \"op\"");
+  if (op == object.end()) throw Error("the key \"op\" is missing");
   if (!op->is_string()) throw Error("\"op\" is not a string");
   for (const Form& form : forms())
     if (*op == form.word) return form;
   throw Error("unknown op " + quoted(op->get<std::string>()) +
-              ": it is none of move, pose, remove, add, light, update");
+              "; it must be move, pose, remove, add, light or update");
 }
 
 // The one of these keys that the object has. Throws Error unless there is exactly one.
@@ -134,8 +134,7 @@ Step step_of(std::string_view line) {
   if (step.op == Op::move) step.vector = vector_of(object, "translate");
   if (step.op == Op::pose) step.pose = pose_of(object);
   if (step.op == Op::light) {
-    if (!object["light"].is_number_unsigned())
-      throw Error("\"light\" is not a light's number, from 0");
+    if (!object["light"].is_number_unsigned()) throw Error("\"light\" is not the index of a light");
     step.light = object["light"].get<std::size_t>();
     step.vector_key = key_among(object, light_keys, "light");
     step.vector = vector_of(object, step.vector_key);
@@ -208,7 +207,7 @@ Player::Named& Player::named(const std::string& name) {
 }
 
 void Player::bring_back(Named& object, const std::string& name) {
-  if (!object.removed) throw Error("object " + quoted(name) + " is there already");
+  if (!object.removed) throw Error("object " + quoted(name) + " is already in the scene");
   object.id = scene_.add(object.removed->first, object.removed->second);
   object.removed.reset();
 }
@@ -216,7 +215,7 @@ void Player::bring_back(Named& object, const std::string& name) {
 void Player::move_light(const Step& step) {
   const LightId id = scene_.light_id(step.light);
   const Light* there = scene_.find(id);
-  if (there == nullptr) throw Error("there is no light " + std::to_string(step.light));
+  if (there == nullptr) throw Error("the scene has no light " + std::to_string(step.light));
   Light light = *there;
   const bool point = light.kind == Light::Kind::point;
   if (step.vector_key == (point ? "direction" : "position"))

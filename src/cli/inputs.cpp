@@ -16,8 +16,7 @@ constexpr std::size_t most_issues = 20;
 std::vector<NamedLight> lights_of(const Scene& scene, const std::string& file) {
   std::vector<NamedLight> lights;
   for (const Light& light : scene.lights()) lights.push_back({light, light_spec(light)});
-  if (lights.empty())
-    throw Error(file + ": the scene has no light of its own, and there is no --light");
+  if (lights.empty()) throw Error(file + ": the scene has no light; give one with --light");
   return lights;
 }
 
@@ -42,11 +41,12 @@ Scene read(const Reading& reading) {
   Scene scene = io::read_scene(reading.file, reading.options);
   if (reading.strict && !scene.issues().empty()) {
     list_issues(scene, reading.file, most_issues);
-    throw Error(reading.file + ": " + std::to_string(scene.issues().size()) +
-                " faces refused or repaired, and --strict allows none");
+    throw Error(reading.file + ": --strict: " + std::to_string(scene.issues().size()) +
+                " faces were refused or repaired");
   }
   if (!reading.quiet) list_issues(scene, reading.file, most_issues);
-  if (scene.facets().empty()) throw Error(reading.file + ": no usable face: see inspect");
+  if (scene.facets().empty())
+    throw Error(reading.file + ": no usable face; 'shadowcut inspect' lists the reasons");
   return scene;
 }
 

@@ -1,4 +1,4 @@
-// What every command reads: a scene, and lights from its file or from arguments.
+// Input of every command: a scene, and lights from the scene file or from arguments.
 #pragma once
 
 #include <shadowcut/io.hpp>
@@ -15,22 +15,22 @@ struct NamedLight {
 // From --light.
 std::vector<NamedLight> parse_lights(const std::vector<std::string>& specs);
 
-// Gives a scene its lights, and returns them: those given, or, when there are none, the file's own.
-// Throws Error when that has none either.
+// Sets the lights of a scene and returns them: the given lights or, without any, the lights of the
+// scene file. Throws Error if there is no light at all.
 std::vector<NamedLight> set_lights(Scene& scene, const std::vector<NamedLight>& given,
                                    const std::string& file);
 
 struct Reading {
   std::string file;
   io::ReadOptions options;
-  bool strict = false;  // refuses a scene with refused or repaired faces
-  bool quiet = false;   // does not list them
+  bool strict = false;  // a refused or repaired face is an error
+  bool quiet = false;   // refused and repaired faces are not listed
 };
 
 // A scene that has at least one usable face.
 Scene read(const Reading& reading);
 
-// 0 is one for each processor.
+// The number of threads; 0 becomes the number of processors.
 unsigned threads_of(unsigned wanted);
 
 }  // namespace shadowcut::cli

@@ -1,4 +1,5 @@
-// The command inspect: what a scene file holds, and what was wrong with it.
+// The command inspect: lists the objects and lights of a scene file, and its refused or repaired
+// faces.
 #include <cmath>
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-// All of a command's files or none; see outputs.hpp.
+// Output files; see outputs.hpp.
 #include "outputs.hpp"
 
 #include <filesystem>
@@ -23,7 +23,7 @@ void check_folder(const std::string& path) {
   const fs::path folder = fs::absolute(path).parent_path();
   std::error_code error;
   if (path.empty() || !fs::is_directory(folder, error))
-    throw Error(path + ": cannot be written: there is no folder " + folder.string());
+    throw Error(path + ": cannot be written: the folder " + folder.string() + " does not exist");
 }
 
 void Outputs::write(const std::string& path, const std::function<void()>& write) {

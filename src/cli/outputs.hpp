@@ -1,4 +1,4 @@
-// The files that a command writes: all of them, or none.
+// The output files of a command. A command writes all of them, or none.
 #pragma once
 
 #include <functional>
@@ -7,11 +7,11 @@
 
 namespace shadowcut::cli {
 
-// Throws Error unless a file can stand at this path. What can be known to fail before the work is
-// done shall fail before the work is done.
+// Throws Error if the folder of the path does not exist. Called before the work of a command, so that
+// a wrong path is reported at once.
 void check_folder(const std::string& path);
 
-// Writes one after the other; when one fails, those before it go too.
+// Writes files one after the other. If one fails, the files written before it are deleted.
 class Outputs {
  public:
   void write(const std::string& path, const std::function<void()>& write);

@@ -1,4 +1,4 @@
-// The command render: a picture of a scene, its shadows by one of the techniques of src/render.
+// The command render: draws a scene, with shadows by one of the techniques of src/render.
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
@@ -31,11 +31,11 @@ render::MapSettings map_settings(const RenderArguments& a) {
   const bool texture = a.technique == "shadow-texture";
   if (a.map_side) {
     if (!texture && a.technique != "shadow-map")
-      throw Error("--map-size: " + a.technique + " has no map");
+      throw Error("--map-size: the technique " + a.technique + " uses no map");
     map.side = *a.map_side;
   }
   if (!a.bias.empty()) {
-    if (a.technique != "shadow-map") throw Error("--bias: is of shadow-map alone");
+    if (a.technique != "shadow-map") throw Error("--bias: only the technique shadow-map has a bias");
     const std::vector<double> bias = parse_numbers_of("--bias", a.bias, "SLOPE,UNITS,TEXELS");
     map.slope_bias = static_cast<float>(bias[0]), map.unit_bias = static_cast<float>(bias[1]),
     map.texel_bias = static_cast<float>(bias[2]);
@@ -43,7 +43,7 @@ render::MapSettings map_settings(const RenderArguments& a) {
   return map;
 }
 
-// It bends what is above the scene's lowest point.
+// The wind bends everything above the lowest point of the scene.
 render::Wind wind_of(const std::string& text, const Scene& scene) {
   render::Wind wind;
   if (text.empty()) return wind;

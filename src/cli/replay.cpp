@@ -1,4 +1,5 @@
-// The command replay: a scene, a script of edits, and what every update did and cost.
+// The command replay: applies a script of edits to a scene and reports cost and effect of every
+// update.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -20,17 +21,15 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double most_error = 1e-9;  // of a face's area, at which --verify still says equal
-
-// What one update did; fragments, areas and nodes are sums over the lights.
+// The effect of one update. Fragments, areas and nodes are sums over the lights.
 struct Record {
   std::size_t update = 0, edits = 0;
-  double edit_ms = 0, update_ms = 0;  // the scene's part, and the engine's
+  double edit_ms = 0, update_ms = 0;  // in Scene, and in Engine::update()
   std::uint64_t gone = 0, fresh = 0;
-  // now; joined and deferred since the build
+  // after the update; joined and deferred: since the build
   std::uint64_t fragments = 0, nodes = 0, marked = 0, joined = 0, deferred = 0;
   double lit_area = 0;
-  std::size_t issues = 0;  // of the scene, now
+  std::size_t issues = 0;  // of the scene, after the update
   bool complete = true;
 };
 
@@ -94,8 +93,8 @@ class Replay {
 
   std::string difference() const {
     if (first_difference_.empty()) return {};
-    return arguments_.edits + ": " + first_difference_ + "; at most " +
-           significant(max_area_error_) + " in all updates";
+    return arguments_.edits + ": " + first_difference_ +
+           "; greatest difference of all updates: " + significant(max_area_error_);
   }
 
  private:
@@ -121,10 +120,16 @@ class Replay {
 
   void verify() {
     for (std::size_t k = 0; k < scene_.lights().size(); ++k) {
-      const Difference d = greatest_difference(
-          scene_, engine_.shadows(k), cast_shadows(scene_, scene_.lights()[k], arguments_.options));
-      max_area_error_ = std::max(max_area_error_, d.share);
-      if (d.share > most_error && first_difference_.empty()) first_difference_ = sentence(k, d);
+      const Light& light = scene_.lights()[k];
+      const std::vector<double> shares = difference_shares(
+          scene_, engine_.shadows(k), cast_shadows(scene_, light, arguments_.options));
+      for (std::uint32_t face = 0; face < shares.size(); ++face) {
+        max_area_error_ = std::max(max_area_error_, shares[face]);
+        // The tolerance is at least 1e-12.
+        if (shares[face] > 1e-12 && first_difference_.empty() &&
+            shares[face] > tolerance_of(scene_, light, face, arguments_.options.kernel))
+          first_difference_ = sentence(k, {shares[face], face});
+      }
     }
   }
 
@@ -132,8 +137,8 @@ class Replay {
     const Face& face = scene_.faces()[d.face];
     return "update " + std::to_string(records_.back().update) + ", light " + std::to_string(light) +
            ", object '" + io::printable(scene_.objects()[face.object].name) + "', face " +
-           std::to_string(face.number) + ": differs from a rebuild by " + significant(d.share) +
-           " of its area";
+           std::to_string(face.number) + ": the lit region differs from that of a rebuild by " +
+           significant(d.share) + " of the face's area";
   }
 
   void rebuild() {
@@ -161,8 +166,8 @@ void check_outputs(const ReplayArguments& a) {
   if (!a.json.empty() && a.json != "-") check_folder(a.json);
   if (a.changes.empty()) return;
   check_folder(a.changes);
-  if (a.changes == "-") throw Error("--changes: '-' is no file");
-  if (a.changes == a.json) throw Error("--changes and --json: both are " + a.json);
+  if (a.changes == "-") throw Error("--changes: '-' is not a file name");
+  if (a.changes == a.json) throw Error("--changes and --json: both name the file " + a.json);
 }
 
 // The smallest value that is not below a share of all; 0 when there is none.

@@ -11,7 +11,7 @@ namespace shadowcut::cli {
 
 namespace {
 
-// Characters, for columns: UTF-8's continuation bytes take no room.
+// The width of a text in columns: continuation bytes of UTF-8 have no width.
 std::size_t columns_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
@@ -35,8 +35,8 @@ void list_issues(const Scene& scene, const std::string& file, std::size_t most) 
   for (std::size_t i = 0; i < std::min(issues.size(), most); ++i)
     std::cerr << "shadowcut: " << io::describe(scene, issues[i], file) << '\n';
   if (issues.size() > most)
-    std::cerr << "shadowcut: " << file << ": ... and " << issues.size() - most
-              << " more: see inspect\n";
+    std::cerr << "shadowcut: " << file << ": " << issues.size() - most
+              << " more faces refused or repaired; 'shadowcut inspect' lists them\n";
 }
 
 Alignment alignment_of(const Scene& scene) {

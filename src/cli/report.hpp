@@ -1,4 +1,4 @@
-// What the program tells people: issues, a progress bar, and tables.
+// Text output for people: issues, a progress bar, and tables.
 #pragma once
 
 #include <chrono>
@@ -12,18 +12,17 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds_since(Clock::time_point start);
 
-// A line on standard error for each issue, `most` of them at most, and a line that says how many
-// more there are.
+// Prints one line on standard error for each issue, up to `most` issues, and one line with the number
+// of further issues.
 void list_issues(const Scene& scene, const std::string& file, std::size_t most);
 
-// Facets that were put into a plane that is not their own to the last digit; see
-// Scene::coplanarity_tolerance.
+// Facets that were snapped to a shared plane; see Scene::coplanarity_tolerance.
 struct Alignment {
   std::uint64_t facets = 0;
-  double by = 0;  // the farthest corner
+  double by = 0;  // the largest distance by which a corner moved
 };
 Alignment alignment_of(const Scene& scene);
-std::string sentence(const Alignment& alignment);  // a line; empty when there are none
+std::string sentence(const Alignment& alignment);  // one line; empty without such facets
 
 // Columns of text, the first flush left and the others flush right.
 class Table {
@@ -40,7 +39,7 @@ std::string significant(double value);  // six digits
 std::string tenths(double value);
 std::string thousandths(double value);
 
-// A bar on standard error, from half a second on, if that is a terminal.
+// A progress bar on standard error, if that is a terminal and the work takes over half a second.
 class ProgressBar {
  public:
   explicit ProgressBar(bool wanted);

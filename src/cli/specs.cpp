@@ -1,4 +1,4 @@
-// Lights and drawings from words; see specs.hpp.
+// Parsing of arguments; see specs.hpp.
 #include "specs.hpp"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace shadowcut::cli {
 
 namespace {
 
-// Finite numbers with commas between them and nothing else; nothing otherwise.
+// A list of finite numbers separated by commas, or nullopt.
 std::optional<std::vector<double>> parse_numbers(std::string_view text) {
   std::vector<double> numbers;
   const char *at = text.data(), *const end = at + text.size();
@@ -25,11 +25,6 @@ std::optional<std::vector<double>> parse_numbers(std::string_view text) {
     if (*rest != ',') return std::nullopt;
     at = rest + 1;
   }
-}
-
-std::string number_text(double value) {
-  char digits[32];
-  return std::string(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
 }
 
 io::View camera_view(const std::vector<double>& n) {
@@ -59,7 +54,16 @@ std::optional<io::View> face_view(std::string_view object, std::string_view numb
   return std::nullopt;
 }
 
+template <typename Number>
+std::string shortest_text(Number value) {
+  char digits[32];
+  return std::string(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
+
 }  // namespace
+
+std::string number_text(double value) { return shortest_text(value); }
+std::string number_text(float value) { return shortest_text(value); }
 
 Light parse_light(const std::string& spec) {
   const std::size_t colon = spec.find(':');
@@ -103,7 +107,7 @@ io::View parse_view(const std::string& spec, const Scene& scene) {
     return plan;
   }
   throw Error("--svg: '" + spec +
-              "' is none of plan, plan:HEIGHT, OBJECT:FACE of this scene, ex,ey,ez,tx,ty,tz[,fov]");
+              "' is not plan, plan:HEIGHT, OBJECT:FACE of this scene, or ex,ey,ez,tx,ty,tz[,fov]");
 }
 
 io::View parse_camera(const std::string& spec) {
@@ -135,7 +139,7 @@ std::vector<double> parse_numbers_of(const std::string& option, const std::strin
 double parse_share(const std::string& option, const std::string& text) {
   const auto numbers = parse_numbers(text);
   if (!numbers || numbers->size() != 1 || numbers->front() < 0 || numbers->front() > 1)
-    throw Error(option + ": '" + text + "' is no number from 0 to 1");
+    throw Error(option + ": '" + text + "' is not a number from 0 to 1");
   return numbers->front();
 }
 

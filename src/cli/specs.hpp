@@ -1,5 +1,4 @@
-// What the program's arguments say in small languages of their own: lights, drawings, and some
-// numbers.
+// Arguments with a syntax of their own: lights, views, cameras, and numbers.
 #pragma once
 
 #include <map>
@@ -13,7 +12,7 @@ namespace shadowcut::cli {
 // point:x,y,z, directional:dx,dy,dz or sun:dx,dy,dz, three finite numbers and nothing else.
 Light parse_light(const std::string& spec);
 
-// The same language for a light that came otherwise.
+// The argument of --light that gives this light.
 std::string light_spec(const Light& light);
 
 // plan, plan:HEIGHT, OBJECT:FACE or ex,ey,ez,tx,ty,tz[,fov in degrees].
@@ -25,7 +24,11 @@ io::View parse_camera(const std::string& spec);
 // WIDTHxHEIGHT.
 std::pair<int, int> parse_size(const std::string& spec);
 
-// The kernels by their names, and back.
+// The shortest decimal that reads back as the same number.
+std::string number_text(double value);
+std::string number_text(float value);
+
+// The kernels by their names, and the name of a kernel.
 const std::map<std::string, Kernel>& kernels();
 const char* kernel_name(Kernel kernel);
 

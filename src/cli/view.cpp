@@ -1,4 +1,4 @@
-// The command view: a window in which a person walks through a scene.
+// The command view: a window in which to walk through a scene.
 #include <filesystem>
 #include <numbers>
 
@@ -14,9 +14,9 @@ namespace shadowcut::cli {
 
 namespace {
 
-// Made by rule, so that the program needs no file: a lamp inside, and one before the door. A depth
-// buffer cannot tell faces in one plane apart, so what lies in another face's plane comes three
-// millimetres out of it.
+// A generated scene, so that the command needs no file: a lamp inside, and a lamp outside the door. A
+// depth buffer cannot order two faces in one plane, so faces that lie in the plane of another face
+// are moved three millimetres out of it.
 Scene furnished_room() {
   scenes::SceneData data = scenes::furnished_room();
   for (auto& [mesh, settings] : data.objects) {
@@ -49,7 +49,7 @@ void view_scene(const ViewArguments& a) {
       a.scene.empty() ? "furnished room" : std::filesystem::path(a.scene).filename().string();
   if (given.empty() && scene.lights().empty()) {
     scene.add(view::light_for(scene));
-    settings.note = "the scene has no light of its own: a lamp was put above its middle";
+    settings.note = "the scene has no light: a lamp was added above its centre";
   }
   if (!given.empty()) set_lights(scene, given, a.scene);
   if (a.camera.empty())

@@ -63,7 +63,7 @@ Pieces pieces_of(const Scene& scene, const Engine& engine) {
   Pieces out;
   const std::vector<std::uint32_t> lights = lights_of(engine);
   out.light_count = lights.size();
-  if (lights.empty()) throw Error("no light");
+  if (lights.empty()) throw Error("the scene has no light");
   if (lights.size() == 1) take_one_light(lights.front(), engine.shadows(lights.front()), out);
   else take_several(lights, engine.overlay(), out);
   std::stable_sort(out.pieces.begin(), out.pieces.end(), [&](const Piece& a, const Piece& b) {

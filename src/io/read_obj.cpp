@@ -177,7 +177,7 @@ class Collector {
 
 Scene read_obj(std::string_view text, const std::string& name, const ReadOptions& options) {
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
-    throw Error(name + ": is UTF-16; an OBJ is read as ASCII or UTF-8");
+    throw Error(name + ": the file is UTF-16; OBJ files must be ASCII or UTF-8");
   Prepared prepared = prepare(text);
   if (prepared.positions.size() >= invalid_index) throw Error(name + ": too many vertices");
   Collector collector(std::move(prepared.positions));

@@ -29,10 +29,10 @@ class Reader {
     std::string_view line = next_line();
     const std::string_view whole = line, keyword = take_word(line);
     if (integer_of(keyword)) return whole;  // the keyword may be missing
-    if (!keyword.ends_with("OFF")) fail("is not an OFF file");
+    if (!keyword.ends_with("OFF")) fail("not an OFF file");
     if (keyword.find_first_of("4n") != std::string_view::npos)
-      fail("an OFF file with other than three dimensions");
-    if (trimmed(line).starts_with("BINARY")) fail("binary OFF is not read");
+      fail("only OFF files with three dimensions are supported");
+    if (trimmed(line).starts_with("BINARY")) fail("binary OFF files are not supported");
     return line;
   }
 
@@ -42,7 +42,7 @@ class Reader {
       line = trimmed(line.substr(0, line.find('#')));
       if (!line.empty()) return line;
     }
-    fail("ends early");
+    fail("the file ends too early");
   }
 
   std::uint64_t read_count(std::string_view& line) const {
@@ -65,7 +65,7 @@ class Reader {
     for (std::uint64_t i = 0; i < count; ++i) {
       const std::string_view word = take_word(line);
       if (word.empty())
-        fail("face " + std::to_string(mesh_.face_count()) + " has fewer corners than it says");
+        fail("face " + std::to_string(mesh_.face_count()) + " has fewer corners than its count says");
       const std::optional<std::int64_t> index = integer_of(word);
       loop_.push_back(index && *index >= 0 && *index < invalid_index
                           ? static_cast<std::uint32_t>(*index)

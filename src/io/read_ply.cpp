@@ -88,11 +88,11 @@ class Reader {
   [[noreturn]] void fail(const std::string& what) const { throw Error(name_ + ": " + what); }
 
   Header read_header() {
-    if (trimmed(take_line(rest_)) != "ply") fail("is not a PLY file");
+    if (trimmed(take_line(rest_)) != "ply") fail("not a PLY file");
     Header header{Header::Format::ascii, {}};
     bool has_format = false;
     while (true) {
-      if (rest_.empty()) fail("the PLY header has no end");
+      if (rest_.empty()) fail("the PLY header has no end_header");
       std::string_view line = take_line(rest_);
       const std::string_view keyword = take_word(line);
       if (keyword == "end_header") break;
@@ -102,11 +102,11 @@ class Reader {
       } else if (keyword == "element") {
         header.elements.push_back(read_element(line));
       } else if (keyword == "property") {
-        if (header.elements.empty()) fail("a property before the first element");
+        if (header.elements.empty()) fail("the PLY header has a property before its first element");
         header.elements.back().properties.push_back(read_property(line));
       }
     }
-    if (!has_format) fail("the PLY header names no format");
+    if (!has_format) fail("the PLY header has no format");
     return header;
   }
 
@@ -130,7 +130,7 @@ class Reader {
     if (word == "list") {
       count_type = type_of(take_word(line));
       word = take_word(line);
-      if (!count_type) fail("a PLY list without a type for its length");
+      if (!count_type) fail("a PLY list has no type for its length");
     }
     const std::optional<Type> type = type_of(word);
     if (!type) fail("unknown PLY type '" + printable(word) + "'");
@@ -140,7 +140,7 @@ class Reader {
   double read_value(Type type) {
     if (format_ == Header::Format::ascii) {
       const std::string_view word = take_word(rest_);
-      if (word.empty()) fail("ends early");
+      if (word.empty()) fail("the file ends too early");
       return number_of(word);
     }
     return read_binary(type);
@@ -148,7 +148,7 @@ class Reader {
 
   double read_binary(Type type) {
     const std::size_t size = size_of(type);
-    if (rest_.size() < size) fail("ends early");
+    if (rest_.size() < size) fail("the file ends too early");
     std::array<char, 8> raw{};
     std::copy_n(rest_.begin(), size, raw.begin());
     rest_.remove_prefix(size);
@@ -185,7 +185,7 @@ class Reader {
   std::uint64_t read_length(Type type) {
     const double length = read_value(type);
     if (!(length >= 0) || length != std::floor(length) || length > 4294967295.0)
-      fail("a PLY list has no proper length");
+      fail("a PLY list has an invalid length");
     return static_cast<std::uint64_t>(length);
   }
 

@@ -32,7 +32,7 @@ Scene empty_scene(const ReadOptions& options) {
 
 Scene read_scene(const std::string& path, const ReadOptions& options) {
   Scene scene = read_by_extension(path, options);
-  if (scene.faces().empty()) throw Error(path + ": no faces");
+  if (scene.faces().empty()) throw Error(path + ": the file has no faces");
   return scene;
 }
 

@@ -39,7 +39,7 @@ bool is_binary(std::string_view bytes) {
 Solid read_binary(std::string_view bytes, const std::string& name) {
   const std::uint64_t facets = little_endian<std::uint32_t>(bytes.substr(header_size));
   bytes.remove_prefix(header_size + 4);
-  if (bytes.size() / facet_size < facets) throw Error(name + ": ends early");
+  if (bytes.size() / facet_size < facets) throw Error(name + ": the file ends too early");
   Solid solid{stem_of(name), {}};
   for (std::uint64_t i = 0; i < facets; ++i) {
     std::array<std::uint32_t, 3> loop;
@@ -75,7 +75,7 @@ std::vector<Solid> read_text(std::string_view text, const std::string& name) {
       continue;
     }
     if (keyword.empty()) continue;
-    if (solids.empty()) throw Error(name + ": is not an STL file");
+    if (solids.empty()) throw Error(name + ": not an STL file");
     Mesh& mesh = solids.back().mesh;
     if (keyword == "outer") loop.clear();
     if (keyword == "vertex") {

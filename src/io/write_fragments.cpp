@@ -27,14 +27,14 @@ Vec3 colour_of(double brightness) {
 void write_fragments(const std::string& path, const Scene& scene, const Engine& engine,
                      const View& view) {
   const std::string extension = extension_of(path);
-  if (lights_of(engine).empty()) throw Error(path + ": no light to draw by");
+  if (lights_of(engine).empty()) throw Error(path + ": cannot be drawn: the scene has no light");
   if (extension == ".obj") write_obj(path, scene, pieces_of(scene, engine));
   else if (extension == ".ply") write_ply(path, scene, pieces_of(scene, engine));
   else if (extension == ".gltf" || extension == ".glb")
     write_gltf(path, scene, pieces_of(scene, engine), extension == ".glb");
   else if (extension == ".svg") write_svg(path, scene, engine, view);
   else
-    throw Error(path + ": cannot be written: the extension is none of .obj .ply .gltf .glb .svg");
+    throw Error(path + ": cannot be written: the extension is not one of .obj .ply .gltf .glb .svg");
 }
 
 void write_areas(const std::string& path, const Scene& scene, const Engine& engine) {

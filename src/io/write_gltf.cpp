@@ -95,7 +95,7 @@ class Writer {
     json.resize((json.size() + 3) / 4 * 4, ' ');
     const std::uint64_t size = 12 + 8 + json.size() + 8 + bytes.size();
     if (size > std::numeric_limits<std::uint32_t>::max())
-      throw Error("more than 4 GiB, the most a .glb can hold");
+      throw Error("more than 4 GiB of data, which a .glb file cannot hold");
     append_little_endian(out, std::uint32_t{0x46546C67});  // "glTF"
     append_little_endian(out, std::uint32_t{2});
     append_little_endian(out, static_cast<std::uint32_t>(size));
@@ -168,7 +168,7 @@ class Writer {
     Eigen::AlignedBox3d box;
     for (const Vec3& p : points) box.extend(p);
     const Vec3 middle = box.center().cast<float>().cast<double>();
-    if (!middle.allFinite()) throw Error("coordinates beyond those a glTF can hold");
+    if (!middle.allFinite()) throw Error("coordinates exceed the range of glTF, which stores float");
     return middle;
   }
 
@@ -232,7 +232,7 @@ class Writer {
 }  // namespace
 
 void write_gltf(const std::string& path, const Scene& scene, const Pieces& pieces, bool binary) {
-  if (pieces.pieces.empty()) throw Error(path + ": no fragments to write");
+  if (pieces.pieces.empty()) throw Error(path + ": there are no fragments to write");
   Writer writer(scene, pieces);
   std::string bytes;
   try {

@@ -248,7 +248,7 @@ class Plan {
 
 std::string draw_face(const Scene& scene, const Pieces& pieces, const View& view) {
   if (view.face >= scene.faces().size() || scene.faces()[view.face].object == invalid_index)
-    throw Error("no such face to draw");
+    throw Error("cannot be drawn: the scene has no such face");
   const Face& face = scene.faces()[view.face];
   const Object& object = scene.objects()[face.object];
   const std::string title = object.name + ", face " + std::to_string(face.number);
@@ -406,7 +406,7 @@ void write_svg(const std::string& path, const Scene& scene, const Engine& engine
   std::vector<Light> lights = view.lights;
   if (lights.empty()) lights.assign(scene.lights().begin(), scene.lights().end());
   if (view.kind != View::Kind::face && lights.size() != engine.light_count())
-    throw Error(path + ": cannot be drawn: the view's lights are not the engine's");
+    throw Error(path + ": cannot be drawn: the lights of the view differ from the lights of the engine");
   try {
     write_text(path, draw(scene, engine, view, lights));
   } catch (const Error& error) {

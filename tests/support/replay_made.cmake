@@ -1,5 +1,5 @@
-# Random scripts replayed with --verify: the same bytes for the same seed, and every update equal to
-# a rebuild.
+# Replays random scripts with --verify and both kernels: every update equals a rebuild. The scripts are
+# the same bytes for the same seed.
 file(READ ${DATA}/scenes.json index)
 foreach(name IN LISTS NAMES)
   string(JSON light GET "${index}" ${name}.obj light)
@@ -11,11 +11,13 @@ foreach(name IN LISTS NAMES)
     endforeach()
     execute_process(COMMAND ${CMAKE_COMMAND} -E compare_files ${FOLDER}/edits.jsonl
       ${FOLDER}/again.jsonl COMMAND_ERROR_IS_FATAL ANY)
-    execute_process(COMMAND ${SHADOWCUT} replay ${DATA}/${name}.obj ${FOLDER}/edits.jsonl --light
-      ${light} --verify --quiet
-      RESULT_VARIABLE status ERROR_VARIABLE message)
-    if(NOT status EQUAL 0)
-      message(FATAL_ERROR "${name}, seed ${seed}, ${COUNT} edits: ${message}")
-    endif()
+    foreach(kernel IN ITEMS fast exact)
+      execute_process(COMMAND ${SHADOWCUT} replay ${DATA}/${name}.obj ${FOLDER}/edits.jsonl
+        --light ${light} --kernel ${kernel} --verify --quiet
+        RESULT_VARIABLE status ERROR_VARIABLE message)
+      if(NOT status EQUAL 0)
+        message(FATAL_ERROR "${name}, seed ${seed}, ${COUNT} edits, ${kernel}: ${message}")
+      endif()
+    endforeach()
   endforeach()
 endforeach()
