@@ -12,6 +12,7 @@ import math
 import statistics
 import sys
 
+import markdown
 from plot import GRID, INK, SOFT, Axis, line, mark, path, text, time_text
 
 BEGIN, END = "<!-- dial: begin; written by bench/dial_report.py -->", "<!-- dial: end -->"
@@ -428,7 +429,7 @@ def has_smallest(groups):
 def fewer(groups):
     shares = SHARES if has_smallest(groups) else ()
     heads = [f"smallest {s:g}: x time | x fragments | dropped | missed" for s in shares]
-    yield "| " + " | ".join(["scene", "fast: error", "undecided", *heads]) + " |"
+    yield "| " + " | ".join(["scene", "fast: error", "uncertain", *heads]) + " |"
     yield "|" + "---|" * (3 + 4 * len(shares))
     for key, rows in groups.items():
         fast = ours(rows, "fast")
@@ -549,7 +550,7 @@ def details(key, rows):
     yield ""
     yield (
         "| method | ms | of it, structure | symmetric difference | area error | mean of a face, "
-        "absolute | most of a face | wrong: lit + shadowed, missed | undecided | dropped | "
+        "absolute | most of a face | wrong: lit + shadowed, missed | uncertain | dropped | "
         "fragments | MB |"
     )
     yield "|---|---|---|---|---|---|---|---|---|---|---|---|"
@@ -744,9 +745,9 @@ def report(groups, figure):
     yield ""
     yield from wrong_faces(groups)
     yield ""
-    yield "## What is undecided"
+    yield "## Uncertain area"
     yield ""
-    words = "Undecided: what the kernel itself says of its error, at most (`Engine::uncertain_area`)."
+    words = "Uncertain: the upper bound that the kernel itself reports (`Engine::uncertain_area`)."
     if has_smallest(groups):
         words += (
             " Then the smallest feature (`Options::min_feature`) by area, as a share of the mean "
@@ -798,7 +799,7 @@ def main():
             before
             + BEGIN
             + "\n\n"
-            + "\n".join(report(groups, figure.split("/")[-1])).rstrip()
+            + markdown.wrap("\n".join(report(groups, figure.split("/")[-1])).rstrip())
             + "\n\n"
             + END
             + after

@@ -12,6 +12,7 @@ import pathlib
 import re
 import sys
 
+import markdown
 from dial_report import share_text
 
 BEGIN, END = "<!-- extremes -->", "<!-- /extremes -->"
@@ -75,7 +76,7 @@ def main():
         before, rest = text_in.read().split(BEGIN)
     after = rest.split(END)[1]
     with open(page, "w", encoding="utf-8") as out:
-        out.write(before + BEGIN + "\n\n" + "\n".join(report(rows)) + "\n\n" + END + after)
+        out.write(before + BEGIN + "\n\n" + markdown.wrap("\n".join(report(rows))) + "\n\n" + END + after)
 
 
 if __name__ == "__main__":

@@ -636,7 +636,7 @@ def engine(document):
         "frame, "
         "without the hybrid's BSP tree. Fragments are drawn in the conforming form, which "
         "leaves a rasteriser no cracks, and of which every update hands out everything again "
-        "(docs/design.md, section 6); in brackets the same updates in the merged form, which "
+        "(docs/design.md); in brackets the same updates in the merged form, which "
         "is the engine's default and hands out what changed.\n"
     )
     rows, faster = [], 0

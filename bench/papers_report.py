@@ -15,6 +15,7 @@ import math
 import sys
 
 import image_space_report
+import markdown
 from plot import GRID, SOFT, Axis, count_text, decades, line, mark, path, text, time_text
 from tables import ms, percent, ratio, rows_of, verdict
 
@@ -580,6 +581,8 @@ def load(name):
 
 def write(name, lines):
     content = "\n".join(lines) + "\n"
+    if name.endswith(".md"):
+        content = markdown.wrap(content)
     with open(name, "w", encoding="utf-8") as out:
         out.write(content)
 

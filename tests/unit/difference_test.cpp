@@ -1,4 +1,4 @@
-// What replay --verify compares by: areas of symmetric differences.
+// The comparison of replay --verify: areas of symmetric differences, and tolerances.
 #include "difference.hpp"
 
 #include <gtest/gtest.h>
@@ -95,6 +95,18 @@ TEST(Compare, CornersAHairApart) {
     }
     EXPECT_LT(greatest_difference(shaded(3), right, odd).share, kSame) << apart;
   }
+}
+
+TEST(Compare, ToleranceGrowsAsTheLightComesNearTheFacesPlane) {
+  const Scene scene = shaded(3);
+  const auto exact = [&](double height) {
+    return tolerance_of(scene, Light::directional({1, 0, -height}), 0, Kernel::exact);
+  };
+  EXPECT_LT(exact(1), 1.1e-12);
+  EXPECT_LT(exact(1), exact(1e-6));
+  EXPECT_EQ(exact(1e-12), 1e-9);
+  EXPECT_EQ(exact(0), 1e-9);
+  EXPECT_EQ(tolerance_of(scene, Light::directional({0, 0, -1}), 0, Kernel::fast), 1e-9);
 }
 
 }  // namespace
