@@ -1,12 +1,12 @@
-// Build and emission on generated scenes of growing size.
+// Measures one-off casts of generated scenes of growing size.
 //
 //   shadowcut_bench --benchmark_repetitions=5 --benchmark_out=bench/baseline/cast.json
 //     --benchmark_out_format=json
 //
-// Every row: one whole cast_shadows, on one and on two threads. Counters: ns a light-facing face;
-// build and emission apart (the minimum over the iterations, in ms); nodes, fragments and bytes;
-// and a hash of every fragment, the same for any number of threads. The machine's speed drifts:
-// quote ratios of one run, minima of repeats.
+// A row is one call of cast_shadows, on one or on two threads. Counters: nanoseconds per facing
+// face; build and emission (minimum over the iterations, in ms); nodes, fragments and bytes; and a
+// hash of every fragment, which is the same for any number of threads. The speed of a shared
+// machine drifts, so compare ratios of one run and minima of repeats.
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -24,7 +24,7 @@ namespace {
 
 using namespace shadowcut;
 
-// A scene is made once, for all rows that use it, and dropped when the next one is asked for.
+// The scene of the current rows. It is generated once and replaced when a row needs another scene.
 const std::pair<Scene, Light>& scene_of(const std::string& name,
                                         const std::function<scenes::SceneData()>& make) {
   static std::string held;
@@ -93,8 +93,8 @@ void add(const std::string& name, const std::function<scenes::SceneData()>& make
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Freed memory stays in the process, so that repeats measure the engine and not the kernel's
-  // clearing of fresh pages.
+  // Freed memory stays in the process, so that repeats measure the engine and not the operating
+  // system, which clears new pages.
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   add("furnished_room", [] { return scenes::furnished_room(); });

@@ -13,8 +13,8 @@ using compare::HalfSpace;
 using compare::Lighting;
 using compare::Polygon;
 
-// A disc around a facet, as the light sees it: directions on the unit sphere, or places across a
-// directional light.
+// A disc around a facet as the light sees it: directions on the unit sphere, or positions in a
+// plane across a directional light.
 struct Disc {
   std::uint32_t facet;
   Vec3 centre;
@@ -67,7 +67,7 @@ class Clipping {
     return disc;
   }
 
-  // Two axes in the receiver's plane, and Clipper's unit.
+  // Two axes in the plane of the receiver, and the unit of Clipper's integers.
   void choose_frame(const Polygon& receiver, const HalfSpace& plane) {
     origin_ = receiver.corners[0].at;
     u_ = plane.normal.unitOrthogonal(), v_ = plane.normal.cross(u_);
@@ -109,7 +109,7 @@ class Clipping {
   const Scene& scene_;
   const Lighting lighting_;
   std::vector<Disc> casters_;
-  // Of the receiver at hand.
+  // Of the current receiver.
   boost::container::small_vector<HalfSpace, 8> planes_;
   Vec3 origin_, u_, v_;
   double unit_ = 1;

@@ -1,11 +1,11 @@
-// What one would write without a tree: every face that the light reaches against every face that
-// may stand in its way, and a polygon clipping library to unite the shadows (Angus Johnson's
-// Clipper, Debian's polyclipping).
+// Shadows without a tree: every face that the light reaches is clipped by every possible caster,
+// and a polygon clipping library unites the shadows (Angus Johnson's Clipper, Debian package
+// polyclipping).
 //
-// Pairs are dismissed by the discs, as the light sees them, around both faces. A caster is cut to
-// the receiver's planes of light, and to what is nearer than the receiver's plane, as convex
-// polygons (src/compare/polygon.hpp); the shadows are then united in the receiver's plane, on
-// Clipper's integers, 2^30 to the receiver's size. No cap on anything.
+// Pairs are rejected by discs around both faces, as the light sees them. A caster is clipped to the
+// shadow planes of the receiver and to the space in front of the plane of the receiver, as convex
+// polygons (src/compare/polygon.hpp). The shadows are united in the plane of the receiver, in
+// integers of Clipper with 2^30 units per size of the receiver.
 #pragma once
 
 #include <shadowcut/shadows.hpp>

@@ -1,32 +1,33 @@
-// The dial: what every way to shadows takes, and how wrong it is.
+// Measures time against error, for the engine and for two methods that sample.
 //
 //   shadowcut_bench_dial --json bench/baseline/dial.json [--only TEXT]... [--seconds S]
 //
 // A row is a scene, a light and a method:
 //
-//   shadowcut  kernels x forms, and smallest features by area and by solid angle; of models, planes
-//              shared within 1e-6; one thread, the one-off call
-//   rays       Embree, 1 to 4 096 shadow rays a face; by area: in the mean, large faces get more
-//   map        a shadow map of 256 to 8 192 texels a side, looked up at 1 024 points a face
-//   edits      Engine after a script of 100 moves: kernels x join thresholds
+//   shadowcut  kernels and forms, as one-off casts on one thread; for models also with coplanar
+//              groups at 1e-6
+//   rays       Embree, 1 to 4 096 shadow rays per face; "by area": large faces get more rays
+//   map        a shadow map of 256 to 8 192 texels per side, sampled at 1 024 points per face
+//   edits      Engine after a script of 100 moves: kernels and join thresholds
 //
-// Time is the whole job's, the minimum of its repeats, on one thread and of that thread; for
-// samplers from the scene to the lit area of every face.
+// Time is processor time of one thread for the whole job, the minimum of its repeats. For rays and
+// maps it runs from the scene to the lit area of every face.
 //
-// Errors are against the exact kernel's result, over the faces turned to the light:
-//   symmetric_difference  area of the symmetric difference of the lit regions; of a map, the area
-//                         of the points where it is wrong, with rays for the truth; none for rays,
-//                         which give areas only
-//   area_error            sum over faces of | lit area - exact lit area |; never more than the
-//                         above
-//   undecided_area        of kernel fast: the sum of Engine::uncertain_area, which bounds the true
-//                         error; and the faces whose areas are off by more than their own share of it
-//   dropped_area          with a smallest feature: what is neither lit nor shadowed
+// Errors are measured against the result of the exact kernel, over the faces turned to the light:
+//
+//   symmetric_difference  area of the symmetric difference of the lit regions. For a map: the area
+//                         of the sample points at which it differs from a ray. Rays have none,
+//                         because they give areas only
+//   area_error            sum over faces of | lit area - exact lit area |
+//   undecided_area        kernel fast: the sum of Engine::uncertain_area; and the number of faces
+//                         whose areas are off by more than their uncertain area
+//   dropped_area          with min_feature: area that is neither lit nor shadowed
 //   wrong faces           lit (over 1e-6 of the face) although wholly shadowed (to 1e-9), and the
-//                         reverse; and missed: a lit or shadowed part of over a hundredth of the
-//                         face that is not reported at all
-// A row that would take longer than --seconds, by the row before, is left out and says so
-// ("skipped", with the estimate).
+//                         reverse; "missed": over a hundredth of the face is lit, or shadowed, and
+//                         the method reports none of it
+//
+// A row that would take longer than --seconds, judged by the row before, is left out and marked
+// "skipped" with the estimate.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -57,8 +58,8 @@ struct Arguments {
   double seconds = 5;
 };
 
-// Processor time: everything here runs on one thread, and on a machine that others use the wall
-// clock would favour short jobs.
+// Processor time: all jobs run on one thread, and on a shared machine the wall clock would favour
+// short jobs.
 class Stopwatch {
  public:
   double ms() const { return 1e-6 * static_cast<double>(now() - start_); }
@@ -137,7 +138,7 @@ Options single_thread(Kernel kernel, Form form) {
 constexpr std::pair<Kernel, const char*> kKernels[] = {{Kernel::fast, "fast"},
                                                        {Kernel::exact, "exact"}};
 
-// Smallest areas are shares of the mean face turned to the light; solid angles are of point lights.
+// Areas are shares of the mean facing face; solid angles need a point light.
 std::vector<Setting> settings(double mean_face, Light::Kind light) {
   constexpr std::pair<Form, const char*> kForms[] = {
       {Form::pieces, "pieces"}, {Form::merged, "merged"}, {Form::conforming, "conforming"}};
@@ -161,7 +162,7 @@ std::vector<Setting> settings(double mean_face, Light::Kind light) {
     s.options.min_feature.solid_angle = solid_angle;
     if (light == Light::Kind::point) all.push_back(s);
   }
-  // The same regions from another tree: what the comparison itself cannot tell apart.
+  // The same regions from another tree: the resolution of the comparison itself.
   Setting floor{"exact pieces, another order",
                 {{"kernel", "exact"}, {"form", "pieces"}, {"order", "random"}},
                 {}};
@@ -171,10 +172,10 @@ std::vector<Setting> settings(double mean_face, Light::Kind light) {
   return all;
 }
 
-// Where coordinates were once float: what was meant to be one plane is one.
+// For coordinates that were stored as float: faces meant to be coplanar share a plane.
 constexpr double kFloatCoplanarity = 1e-6;
 
-// Runs a job again and again for a while, and keeps the quickest.
+// Repeats a job for some time and keeps the shortest time.
 template <class Job>
 auto quickest(const Job& job) {
   const Stopwatch watch;
@@ -188,7 +189,7 @@ auto quickest(const Job& job) {
 
 // ---- errors
 
-// Of the very tree that the one-off call makes, by face. Its time is in no row.
+// By face, for the tree of the one-off cast. No row includes the time of this step.
 std::vector<double> uncertain_area(const Scene& scene, Options options) {
   options.tuning.incremental = false;
   Engine engine(scene, options);
@@ -241,7 +242,7 @@ class Errors {
     return errors;
   }
 
-  // What a kernel says of its own errors, beside what they are.
+  // The error bound of the kernel beside its true errors.
   ordered_json bound(const Shadows& shadows, const Options& options) const {
     const std::vector<double> by_face = uncertain_area(scene_, options);
     double sum = 0;
@@ -262,7 +263,7 @@ class Errors {
   const Shadows& exact_;
 };
 
-// From Receivers' index to the scene's.
+// From an index of Receivers to a face index of the scene.
 std::vector<double> by_face(const Scene& scene, const Receivers& receivers,
                             std::span<const double> lit) {
   std::vector<double> all(scene.faces().size(), 0);
@@ -277,7 +278,7 @@ class Bench {
  public:
   explicit Bench(const Arguments& a) : arguments_(a) {}
 
-  // Of a model, `coplanar` is the same with kFloatCoplanarity.
+  // `coplanar`: for models, the same scene with kFloatCoplanarity.
   void run(const std::string& name, const Scene& scene, const Scene* coplanar);
 
   ordered_json json() const { return {{"seconds", arguments_.seconds}, {"rows", rows_}}; }
@@ -363,7 +364,7 @@ void Bench::add(const std::string& method, ordered_json parameters, ordered_json
   rows_.push_back(std::move(row));
 }
 
-// True, with a row that says so, when it would take too long.
+// Whether the method would take too long; writes a row marked "skipped" then.
 bool Bench::skipped(const std::string& method, ordered_json parameters, double estimate_ms) {
   if (estimate_ms <= 1e3 * arguments_.seconds) return false;
   ordered_json row = scene_;
@@ -393,7 +394,7 @@ void Bench::ours(const Scene& scene, const Errors& errors) {
   }
 }
 
-// Errors are against the scene as it was: what sharing planes changes in it.
+// Errors are measured against the scene without shared planes.
 void Bench::with_shared_planes(const Scene& coplanar, const Errors& errors) {
   for (const auto& [kernel, name] : kKernels) {
     if (!wanted(std::string("shadowcut ") + name + " coplanar")) continue;
@@ -476,7 +477,8 @@ void Bench::maps(const Scene& scene, const Errors& errors) {
 
 // ---- edits
 
-// 100 moves: an object by about a tenth of its size, level; every tenth goes home.
+// 100 moves: an object moves horizontally by about a tenth of its size; every tenth move returns
+// the object to its first position.
 template <class Update>
 void move_about(Scene& scene, const Update& update) {
   scenes::Random random(100);
@@ -497,7 +499,8 @@ void move_about(Scene& scene, const Update& update) {
     const Vec3 by = 0.1 * box.diagonal().norm() * random.in_ball(1);
     const bool goes_home = random.below(10) == 0;
     const Pose pose = goes_home ? homes[i] : Eigen::Translation3d(by.x(), by.y(), 0) * object.pose;
-    if (scene.set_pose(scene.object_id(i), pose) != Status::ok) throw Error("a pose was not set");
+    if (scene.set_pose(scene.object_id(i), pose) != Status::ok)
+      throw Error("the scene did not accept a pose");
     update();
   }
 }
@@ -589,9 +592,10 @@ void run(const Arguments& a) {
 int main(int argc, char** argv) {
   Arguments a;
   CLI::App app("Time against error, for every way to shadows", "shadowcut_bench_dial");
-  app.add_option("--only", a.only,
-                 "Rows (scene light method parameters) that contain this: \"city:57 point\", "
-                 "\"rays 256\", edits")
+  app.add_option(
+         "--only", a.only,
+         "Measure only rows (scene light method parameters) that contain TEXT: \"city:57 point\", "
+         "\"rays 256\", edits")
       ->type_size(1)
       ->allow_extra_args(false);
   app.add_option("--seconds", a.seconds, "Leave out rows that would take longer (5)")

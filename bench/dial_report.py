@@ -773,8 +773,8 @@ def report(groups, figure):
     yield ""
     yield (
         "Median time of an update in microseconds, over 100 moves of objects by up to a tenth of "
-        "their size, by kernel and `Options::Tuning::join_threshold`; and how far the result is then "
-        "from the exact one."
+        "their size, by kernel and `Options::Tuning::join_threshold`; and how far the result is "
+        "then from the exact one."
     )
     yield ""
     yield from edits(groups)

@@ -1,25 +1,24 @@
-// What updates cost.
+// Measures the time of updates.
 //
-//   shadowcut_bench_edits --json bench/baseline/edits.json [--only TEXT]... [--moves N] [--long
-//     MOVES]
+//   shadowcut_bench_edits --json bench/baseline/edits.json [--only TEXT]... [--moves N]
+//     [--long MOVES]
 //
-// Every row moves one thing, or several at once, to and fro, and times two things with a steady
-// clock: Engine::update() alone, and the edit of the scene with it. A *first* move is one of
-// something that has stood still since the build; a *next* move is any later one. Rows:
+// Every row moves one object or several objects to and fro, and measures two times with a steady
+// clock: Engine::update() alone, and the edit of the scene with the update. A *first* move is the
+// first move of an object after a build; all later moves are *next* moves. Rows:
 //
-//   table2   the paper's (Chrysanthou & Slater 1995, table 2): its scenes, and the objects that it
-//            names
-//   city     a building moves by 0.05, in cities of 64 to 99 856; nine buildings in turn
-//   spheres  a sphere of middling size moves by 0.05, among 6 to 100
-//   desk     in the furnished room
+//   table2   the scenes and objects of Chrysanthou & Slater 1995, table 2
+//   city     a building moves by 0.05, in cities of 64 to 99 856 buildings; nine buildings in turn
+//   spheres  a sphere of median size moves by 0.05, among 6 to 100 spheres
+//   desk     a desk of the furnished room
 //   ground   the face under 1 024 buildings
-//   frame    200 prisms of 20 faces, known to move, all at once in the streets of the city of 10
-//            000 buildings; on one and two threads
-//   long     (with --long) one building after another goes its way in the city of 1 024: the tree's
-//            size and the updates' cost at intervals
+//   frame    200 prisms of 20 faces, known as dynamic, move at once in the streets of the city of
+//            10 000 buildings, on one and on two threads
+//   long     (with --long) buildings move in turn in the city of 1 024; size of the tree and time
+//            of updates at intervals
 //
-// Times are the minimum, the median and the 99.9th percentile. The machine's speed drifts: quote
-// ratios of one run.
+// Times are the minimum, the median and the 99.9 % quantile. The speed of a shared machine drifts,
+// so compare ratios of one run.
 #include <malloc.h>
 
 #include <CLI/CLI.hpp>
@@ -88,7 +87,7 @@ Party party_named(const Scene& scene, const std::vector<std::string>& names) {
     const auto objects = scene.objects();
     const auto it = std::find_if(objects.begin(), objects.end(),
                                  [&](const Object& o) { return o.name == name; });
-    if (it == objects.end()) throw Error("no object " + name);
+    if (it == objects.end()) throw Error("the scene has no object " + name);
     party.add(scene, static_cast<std::size_t>(it - objects.begin()));
   }
   return party;
@@ -97,11 +96,11 @@ Party party_named(const Scene& scene, const std::vector<std::string>& names) {
 void place(Scene& scene, const Party& party, const Vec3& by) {
   for (std::size_t i = 0; i < party.objects.size(); ++i) {
     if (scene.set_pose(party.objects[i], Eigen::Translation3d(by) * party.homes[i]) != Status::ok)
-      throw Error("a pose was not set");
+      throw Error("the scene did not accept a pose");
   }
 }
 
-// What a series of moves took, and did.
+// Times and counts of a series of moves.
 struct Series {
   std::vector<double> update, total, gone, fresh;  // total: with the edit of the scene
 
@@ -133,14 +132,14 @@ double build_ms(Engine& engine) {
   return ms_between(start, Clock::now());
 }
 
-// The one-off call, which keeps nothing for updates.
+// The one-off cast, which keeps no data for updates.
 double cast_ms(const Scene& scene, const Options& o) {
   const Clock::time_point start = Clock::now();
   const Shadows shadows = cast_shadows(scene, scene.lights()[0], o);
   return ms_between(start, Clock::now());
 }
 
-// Rows, printed as they come.
+// The rows; each is printed when it is complete.
 class Bench {
  public:
   explicit Bench(const Arguments& a) : arguments_(a) {}
@@ -161,7 +160,8 @@ class Bench {
            std::any_of(arguments_.only.begin(), arguments_.only.end(), holds);
   }
 
-  // Each party in turn makes a first move, and after the last build its share of the next ones.
+  // Each group of objects makes a first move after a build, and its share of the next moves after
+  // the last build.
   void row(const std::string& group, const std::string& name, Scene& scene,
            const std::vector<Party>& parties, const Vec3& step, const Options& o) {
     std::vector<double> builds, plain;
@@ -288,7 +288,7 @@ void spheres(Bench& bench) {
     if (n > bench.arguments().largest_spheres) continue;
     Scene scene = scenes::build(scenes::spheres(n, 64, 33));
     std::vector<std::size_t> by_volume;
-    // the ground is first
+    // the first object is the ground
     for (std::size_t i = 1; i < scene.objects().size(); ++i) by_volume.push_back(i);
     const auto middle = by_volume.begin() + n / 2;
     std::nth_element(by_volume.begin(), middle, by_volume.end(), [&](std::size_t a, std::size_t b) {
@@ -333,7 +333,7 @@ void frame(Bench& bench) {
   }
 }
 
-// Buildings wander; every tenth move takes one home.
+// Buildings move at random; every tenth move returns a building to its first position.
 void long_run(Bench& bench) {
   Scene scene = scenes::build(scenes::city(std::min(32u, bench.arguments().largest_city)));
   std::vector<Party> houses;
@@ -394,27 +394,27 @@ void run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Freed memory stays in the process, so that repeats measure the engine and not the kernel's
-  // clearing of fresh pages.
+  // Freed memory stays in the process, so that repeats measure the engine and not the operating
+  // system, which clears new pages.
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   Arguments a;
   CLI::App app("What updates cost", "shadowcut_bench_edits");
-  app.add_option("--only", a.only,
-                 "Groups whose names contain this: table2, desk, city, ground, frame, spheres")
+  app.add_option(
+         "--only", a.only,
+         "Measure only groups whose names contain TEXT: table2, desk, city, ground, frame, spheres")
       ->type_size(1)
       ->allow_extra_args(false);
-  app.add_option("--moves", a.moves, "Next moves in a row (2000)")->check(CLI::PositiveNumber);
-  app.add_option("--builds", a.builds, "Builds, and first moves of each thing, in a row (5)")
+  app.add_option("--moves", a.moves, "Next moves per row (2000)")->check(CLI::PositiveNumber);
+  app.add_option("--builds", a.builds, "Builds, and first moves of each object, per row (5)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--threads", a.threads, "In all rows but frame (1)");
-  app.add_option("--largest-city", a.largest_city,
-                 "Leave out cities with more buildings along a side")
+  app.add_option("--threads", a.threads, "Threads of all rows except frame (1)");
+  app.add_option("--largest-city", a.largest_city, "Leave out cities with more buildings per side")
       ->check(CLI::Range(8, 316));
   app.add_option("--largest-spheres", a.largest_spheres, "Leave out scenes with more spheres")
       ->check(CLI::Range(6, 100));
   app.add_option("--join-threshold", a.join_threshold, "Options::Tuning::join_threshold");
-  app.add_option("--long", a.long_moves, "Make so many moves in one engine, too");
+  app.add_option("--long", a.long_moves, "Also make this number of moves in one engine");
   app.add_option("--json", a.json)->type_name("FILE");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -76,7 +76,8 @@ def main():
         before, rest = text_in.read().split(BEGIN)
     after = rest.split(END)[1]
     with open(page, "w", encoding="utf-8") as out:
-        out.write(before + BEGIN + "\n\n" + markdown.wrap("\n".join(report(rows))) + "\n\n" + END + after)
+        written = markdown.wrap("\n".join(report(rows)))
+        out.write(before + BEGIN + "\n\n" + written + "\n\n" + END + after)
 
 
 if __name__ == "__main__":

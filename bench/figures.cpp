@@ -1,5 +1,5 @@
-// Writes the figures of docs/design.md: a cone in light space, and a small SVBSP tree. Both are drawn
-// from the engine's own data, so the figures change with the code.
+// Writes the figures of docs/design.md: a cone in light space, and a small SVBSP tree. Both are
+// drawn from the engine's own data, so the figures change with the code.
 //
 //   shadowcut_figures FOLDER
 #include <array>
@@ -256,7 +256,8 @@ class TreeFigure {
     lay_out(Place::root(), 0);
     step_ = 690 / next_leaf_;
     left_ = 300 + step_ / 2;
-    // The tree is drawn over the arrows from the location lists, which need the places of the pieces.
+    // The tree is drawn over the arrows from the location lists, which need the places of the
+    // pieces.
     const Page blank = page_;
     draw_branch(Place::root());
     page_ = blank;

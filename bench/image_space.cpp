@@ -1,21 +1,19 @@
-// The tables of the three papers that draw with graphics hardware, made again: Batagelo & Costa
-// 1999, tables 2 and 3 and figure 10, Kolic et al. 2004, table 1, Oh & Shin 2005, figures 7 and 8;
-// with the engine's own fragments beside each.
+// Measures the tables of three papers that draw with graphics hardware again: Batagelo & Costa
+// 1999, tables 2 and 3 and figure 10; Kolic et al. 2004, table 1; Oh & Shin 2005, figures 7 and 8.
+// Each is compared with the fragments of the engine.
 //
-//   LP_NUM_THREADS=0 shadowcut_bench_image_space --processor-time --json
-//     bench/baseline/image_space.json [--only batagelo|kolic|oh]...
-//     [--quick]
+//   LP_NUM_THREADS=0 shadowcut_bench_image_space --processor-time
+//     --json bench/baseline/image_space.json [--only batagelo|kolic|oh]... [--quick]
 //
-// Frames are drawn offscreen. Where Mesa's llvmpipe is the driver, LP_NUM_THREADS=0 keeps all of
-// its work on the calling thread, and --processor-time counts what the program's threads work (the
-// engine has two) and not what others take from them. bench/papers_report.py sets the figures
-// beside the printed ones in docs/papers.md.
+// Frames are drawn offscreen. With Mesa's llvmpipe, LP_NUM_THREADS=0 keeps all of the driver's work
+// on the calling thread, and --processor-time counts the time of the program's threads (the engine
+// has two), not of other processes. bench/papers_report.py writes docs/papers.md.
 //
-// All techniques draw the same frames, one after the other. A light goes round ten places, or an
-// object or some move, so that what a technique does on the processor is done in every frame.
-// update_ms is that, draw_ms the drawing to its end (glFinish), frame_ms both; the edit of the
-// scene and the upload of its moved vertices come before and are not counted. Of every frame the
-// smallest of some rounds is taken, and the mean over the frames.
+// All techniques draw the same frames, one after the other. In every frame a light moves to one of
+// ten positions, or objects move, so that every technique does its work on the processor in every
+// frame. update_ms is that work, draw_ms the drawing up to glFinish, frame_ms the sum. The edit of
+// the scene and the upload of moved vertices come before and are not counted. The result is the
+// mean over the frames of the smallest time of each frame.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -49,7 +47,7 @@ struct Arguments {
   bool quick = false, processor_time = false;
 };
 
-// After all drawing is done.
+// Waits until all drawing is done.
 class Stopwatch {
  public:
   Stopwatch() : start_(now()) {}
@@ -69,9 +67,9 @@ class Stopwatch {
   double start_;
 };
 
-// ---- what is drawn
+// ---- scenes
 
-// All that stands on the ground: every scene's first object is the ground.
+// All objects on the ground; the first object of every scene is the ground.
 Eigen::AlignedBox3d box_above_ground(const Scene& scene) {
   Eigen::AlignedBox3d box;
   for (const Facet& facet : scene.facets()) {
@@ -88,13 +86,13 @@ struct Stage {
     middle = box.center(), radius = box.diagonal().norm() / 2;
   }
 
-  // From a third person's place, out of every shadow.
+  // The camera is outside every shadow.
   Camera camera() const {
     return {middle + 2.2 * radius * Vec3(0.5, -0.6, 0.62), middle, 1.0, Vec3::UnitZ()};
   }
 
-  // Ten distinct places on a dome: a golden angle further each time, and from 72 degrees above the
-  // horizon down to 36.
+  // Ten positions on a dome: each a golden angle farther, from 72 degrees above the horizon down to
+  // 36.
   Light light_at(int k) const {
     const double turn = 2.399963229728653 * k, height = 0.95 - 0.04 * k,
                  across = std::sqrt(1 - height * height);
@@ -109,7 +107,7 @@ struct Stage {
 };
 
 void require_done(Status edit) {
-  if (edit != Status::ok) throw Error("the scene does not take an edit of the benchmark's");
+  if (edit != Status::ok) throw Error("the scene did not accept an edit");
 }
 
 struct Motion {
@@ -131,12 +129,12 @@ const Motion moving_object{"object", 10, [](Stage& s, int k) {
                                      s.radius / 256 * Vec3(0, 0, (k + 1) % 10));
                            }};
 
-// Nothing moves, and every frame is as the one before.
+// Nothing moves; all frames are equal.
 Motion standing(int steps) {
   return {"none", steps, [](Stage&, int) {}};
 }
 
-// The first so many objects above the ground, each by chance, the same in every round.
+// A number of objects above the ground move at random, with the same moves in every round.
 Motion moving_crowd(std::size_t moving, int steps) {
   return {"crowd", steps, [moving](Stage& s, int k) {
             for (std::size_t i = 1; i <= moving; ++i)
@@ -146,7 +144,7 @@ Motion moving_crowd(std::size_t moving, int steps) {
           }};
 }
 
-// ---- who draws
+// ---- techniques
 
 // The scene without shadows: in ambient light only, or lit too.
 class Unshadowed : public Technique {
@@ -163,8 +161,8 @@ class Unshadowed : public Technique {
   const bool lit_;
 };
 
-// An engine that is brought up to date, in the form that costs least to keep so, and draws nothing:
-// fragments are drawn in the conforming form, of which all is handed out again with every update.
+// An engine that is updated and draws nothing, in the merged form. Drawing uses the conforming
+// form, which emits all fragments again in every update.
 class MergedEngine : public Technique {
  public:
   explicit MergedEngine(const Stage& stage) : engine_(stage.scene, Options{}) {}
@@ -192,11 +190,11 @@ std::unique_ptr<Technique> technique_of(const std::string& name, const Stage& s)
   return render::make_technique(name, s.scene, s.model);
 }
 
-// ---- how it is measured
+// ---- measurement
 
 using Figures = std::map<std::string, double>;
 
-// Times: the smaller ones. Counts are the same in all rounds.
+// The smaller times. Counts are the same in all rounds.
 void keep_best(Figures& best, const Figures& now) {
   for (const auto& [name, value] : now) {
     const auto [at, is_new] = best.try_emplace(name, value);
@@ -227,7 +225,7 @@ struct Contest {
   double seconds;  // rounds go on until then; there are two at least
 };
 
-// Times a technique's update, and has it done once a frame, however many pictures are drawn of it.
+// Measures the update of a technique, once per frame, for any number of pictures of the frame.
 class Timed : public Technique {
  public:
   explicit Timed(std::unique_ptr<Technique> technique) : technique_(std::move(technique)) {}
@@ -338,7 +336,7 @@ using Rows = std::vector<ordered_json>;
 
 void append(Rows& rows, Rows more) { rows.insert(rows.end(), more.begin(), more.end()); }
 
-// The small size tells what is filling from what is not.
+// The small size separates the time of filling pixels from the rest.
 Rows batagelo(bool quick) {
   Rows rows;
   std::vector<std::string> names{"sphere256", "solids96", "tetrahedra752:1", "tetrahedra752:2",
@@ -378,7 +376,7 @@ scenes::SceneData crowd_of(std::uint32_t count, bool quick) {
   return quick ? scenes::spheres(count, 12, 8) : scenes::spheres2037(count);
 }
 
-// Nothing is kept from frame to frame here, so nothing needs to move.
+// These techniques keep nothing from frame to frame, so nothing needs to move.
 Rows oh_growth(bool quick) {
   Rows rows;
   for (const std::uint32_t count : quick ? std::vector<std::uint32_t>{3, 6, 12}
@@ -450,7 +448,7 @@ int main(int argc, char** argv) {
   app.add_option("--json", a.json, "Results")->type_name("FILE");
   app.add_flag("--processor-time", a.processor_time,
                "Count processor time; not for a driver with a graphics card");
-  app.add_flag("--quick", a.quick, "Small scenes, two rounds: that everything works");
+  app.add_flag("--quick", a.quick, "Small scenes and two rounds, as a test of the program");
   CLI11_PARSE(app, argc, argv);
   try {
     run(a);

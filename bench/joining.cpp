@@ -1,14 +1,14 @@
-// What joining subtrees costs in the published tree, by the paper's filter and by the general merge
-// that it rejected.
+// Measures two ways of joining subtrees in the published tree: the filter of CS95, and the general
+// merge of BSP trees that the paper rejected.
 //
 //   shadowcut_bench_joining [--only SCENE]... [--moves N] [--objects N] [--json FILE]
 //
-// In each scene up to --objects movable objects, spread evenly over its list, move in turn (the
-// first object, a shell or the ground, stays). A *first* move is one of an object that has stood
-// still since the build; it and some *next* moves to and fro are timed, remove() and insert()
-// together, each way of joining in a tree of its own. The published tree then holds the shadow
-// volumes; it computes no areas or fragments, which the engine's update does. The tree's size after
-// all moves is told as a share of a fresh build's.
+// In each scene up to --objects movable objects, spread evenly over the object list, move in turn
+// (the first object, a shell or the ground, stays). A *first* move is the first move of an object
+// after the build. The first move and some *next* moves to and fro are measured, remove() and
+// insert() together, with a tree for each way of joining. The published tree then holds the shadow
+// volumes; it computes no areas or fragments, which the update of the engine does. The size of the
+// tree after all moves is reported as a share of a fresh build.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -64,11 +64,11 @@ struct Series {
 
 void place(Scene& scene, ObjectId id, const Pose& home, const Vec3& by) {
   if (scene.set_pose(id, Eigen::Translation3d(by) * home) != Status::ok)
-    throw Error("a pose was not set");
+    throw Error("the scene did not accept a pose");
 }
 
-// Moves every object in turn, a first time and then to and fro. move(object): brings what is
-// measured up to date.
+// Moves every object in turn, a first time and then to and fro. move(object) updates the measured
+// tree.
 template <class Move>
 void for_each_move(Scene& scene, const Arguments& a, const Move& move) {
   std::vector<std::uint32_t> objects;
@@ -187,8 +187,8 @@ int main(int argc, char** argv) {
   app.add_option("--only", a.only, "Scenes to measure (all)")
       ->type_size(1)
       ->allow_extra_args(false);
-  app.add_option("--moves", a.moves, "Next moves in a scene (200)")->check(CLI::PositiveNumber);
-  app.add_option("--objects", a.objects, "Objects that move in a scene, at most (40)")
+  app.add_option("--moves", a.moves, "Next moves per scene (200)")->check(CLI::PositiveNumber);
+  app.add_option("--objects", a.objects, "Largest number of objects that move per scene (40)")
       ->check(CLI::PositiveNumber);
   app.add_option("--json", a.json)->type_name("FILE");
   CLI11_PARSE(app, argc, argv);

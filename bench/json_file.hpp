@@ -1,4 +1,4 @@
-// What every benchmark does with its rows.
+// Output of the rows of a benchmark.
 #pragma once
 
 #include <fstream>
@@ -8,7 +8,7 @@
 
 namespace shadowcut::bench {
 
-// Throws Error when the file cannot be written; without a path there is nothing to do.
+// Throws Error if the file cannot be written. Does nothing without a path.
 inline void write_json(const std::string& path, const nlohmann::ordered_json& document) {
   if (path.empty()) return;
   std::ofstream out(path);

@@ -1,18 +1,18 @@
-// The papers' tables, made again: Slater 1992, tables 1 to 3, Chrysanthou & Slater 1995, table 1
-// (table 2, moves, is bench/edits.cpp's), and how the same algorithms grow, beside what one would
-// use otherwise: clipping face by face, Embree's rays, CGAL.
+// Measures the tables of the papers again: Slater 1992, tables 1 to 3; Chrysanthou & Slater 1995,
+// table 1 (bench/edits.cpp measures table 2). Also measures how the same algorithms grow with the
+// scene, beside clipping face by face, Embree's rays, and CGAL.
 //
 //   shadowcut_bench_papers --json bench/baseline/papers.json [--only slater|cs95|growth]...
 //     [--seconds S]
 //
-// Their figures are of a SPARCstation, so only ratios compare; bench/papers_report.py sets them
-// beside ours and writes docs/papers.md. In the tables everything is as published: the first
-// polygon is the root of each subtree of the scene BSP (Slater 1992, section 6), and the ordered
-// tree does not reunite its fragments. In the growth rows the BSP chooses among eight, and
-// fragments are reunited.
+// The printed figures come from a SPARCstation, so only ratios compare. bench/papers_report.py sets
+// them beside ours and writes docs/papers.md. In the tables all algorithms are as published: the
+// first polygon is the root of each subtree of the scene BSP (Slater 1992, section 6), and the
+// ordered tree does not merge its fragments. In the growth rows the scene BSP chooses among eight
+// candidates, and fragments are merged.
 //
-// Times: the smallest of some runs, milliseconds on one thread. Slater's exclude the scene BSP, and
-// so do the tables.
+// Times are the smallest of some runs, in milliseconds on one thread. The tables exclude the scene
+// BSP, as Slater's do.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -45,12 +45,12 @@ struct Arguments {
   double seconds = 10;
 };
 
-// Whether to run once more: some runs, or one that takes long.
+// Whether to run once more: several runs, but only one run that takes long.
 bool again(int runs, double spent_ms) {
   return runs < 25 && (runs < 2 || spent_ms < 300) && spent_ms < 2000;
 }
 
-// The smallest times; counts are the same in all.
+// The smallest times. Counts are the same in all runs.
 std::vector<Result> best_of(const Scene& scene, std::span<const Light> lights, Algorithm algorithm,
                             const Settings& settings) {
   std::vector<Result> best;
@@ -177,7 +177,7 @@ ordered_json cs95() {
 
 struct Family {
   const char* name;
-  // sizes: the first, and each larger than the one before by about this in faces
+  // sizes: the first; each next size has about this many times the faces
   std::uint32_t first, factor;
   scenes::SceneData (*make)(std::uint32_t size);
 };
@@ -204,7 +204,7 @@ ordered_json timed(Algorithm algorithm, const Scene& scene, const Light& light) 
   return row_of(best_of(scene, {&light, 1}, algorithm, {}));
 }
 
-// The lit area of the scene by something else, and how long that took.
+// The lit area of the scene by another method, and the time.
 template <class LitArea>
 ordered_json timed(const LitArea& lit_area) {
   double best = std::numeric_limits<double>::infinity(), spent = 0, area = 0;
@@ -222,7 +222,7 @@ ordered_json clipped(const Scene& scene, const Light& light) {
   return timed([&] { return bench::clip_every_face(scene, light).lit_area; });
 }
 
-// 256 rays a face; which faces those are is not counted.
+// 256 rays per face. The time of choosing the faces is not counted.
 ordered_json with_rays(const Scene& scene, const Light& light) {
   const bench::Receivers receivers(scene, light, cast_shadows(scene, light).areas);
   static const bench::RayDevice device;
@@ -235,7 +235,7 @@ ordered_json with_rays(const Scene& scene, const Light& light) {
   });
 }
 
-// Every face against every other, with CGAL's exact numbers: the tests' oracle.
+// The oracle of the tests: every face against every other face, with CGAL's exact numbers.
 ordered_json exactly(const Scene& scene, const Light& light) {
   return timed([&] {
     double sum = 0;
@@ -303,7 +303,7 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   app.add_option("--json", a.json, "Results")->type_name("FILE");
   app.add_option("--seconds", a.seconds,
-                 "growth: an algorithm goes on to larger scenes until one takes longer (10)");
+                 "growth: time after which an algorithm gets no larger scenes (10)");
   CLI11_PARSE(app, argc, argv);
   try {
     run(a);

@@ -74,7 +74,7 @@ std::vector<std::uint32_t> Receivers::strata(std::uint32_t samples, bool by_area
 // ---- rays
 
 RayDevice::RayDevice() : device_(rtcNewDevice("threads=1,set_affinity=0")) {
-  if (!device_) throw Error("Embree does not start");
+  if (!device_) throw Error("Embree cannot be started");
 }
 
 Rays::Rays(const RayDevice& device, const Scene& scene, const Light& light) : light_(light) {
@@ -105,7 +105,8 @@ Rays::Rays(const RayDevice& device, const Scene& scene, const Light& light) : li
   rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene_.get());
-  if (rtcGetDeviceError(device.get()) != RTC_ERROR_NONE) throw Error("Embree builds no tree");
+  if (rtcGetDeviceError(device.get()) != RTC_ERROR_NONE)
+    throw Error("Embree cannot build its tree");
 }
 
 bool Rays::is_lit(const Vec3& x, const Vec3& normal) const {
@@ -128,14 +129,14 @@ bool Rays::is_lit(const Vec3& x, const Vec3& normal) const {
 
 namespace {
 
-// A face of the cube around a light, by the axis it looks along.
+// A face of the cube around a light, by its axis.
 int cube_face(const Vec3& away) {
   int axis;
   away.cwiseAbs().maxCoeff(&axis);
   return 2 * axis + (away[axis] < 0 ? 1 : 0);
 }
 
-// What is seen along the third of three directions, through a window of the given bounds (of x / z
+// The view along the third of three directions, through a window with the given bounds (of x / z
 // and y / z, or of x and y).
 Eigen::Matrix4d view_map(const Eigen::Matrix3d& axes, const Vec3& eye,
                          const Eigen::AlignedBox2d& window, const Eigen::RowVector4d& nearness,
@@ -159,7 +160,7 @@ Eigen::Matrix3d axes_along(const Vec3& direction) {
   return axes;
 }
 
-// A texel of margin, so that nothing lies on the border.
+// A margin of one texel, so that no geometry lies on the border.
 void widen(Eigen::AlignedBox2d& window, double side) {
   const Eigen::Vector2d margin = window.sizes() / side;
   window = {window.min() - margin, window.max() + margin};
@@ -235,7 +236,7 @@ void ShadowMap::draw(View& view, const Scene& scene) const {
   }
 }
 
-// Texels whose middles are inside. Nearness is linear over the image.
+// Texels whose centres are inside. The reciprocal depth is linear over the image.
 void ShadowMap::fill(View& view, std::span<const Vec3> polygon) const {
   Vec3 normal = Vec3::Zero();
   double top = side_, bottom = 0;

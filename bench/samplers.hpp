@@ -1,10 +1,10 @@
-// What exact shadows are measured against: shadow rays and a shadow map, each as one would write it
-// with care. Both say of a point whether it is lit; the lit area of a face is then the share of its
-// sample points that are, times its area. On one thread, without a GPU.
+// Two methods that sample, for comparison with exact shadows: shadow rays and a shadow map. Both
+// decide whether a point is lit. The lit area of a face is the share of its sample points that are
+// lit, times its area. Both run on one thread, without a graphics card.
 //
-// Both are asked the engine's question: is there, strictly between the point and the light, a face
-// that casts? Faces turned away from the light (the engine's FaceArea::facing) are not sampled, and
-// of a face in several facets those that are turned away are dark.
+// Both answer the same question as the engine: is a casting face strictly between the point and the
+// light? Faces turned away from the light (FaceArea::facing) are not sampled. Of a face in several
+// facets, the facets that are turned away are dark.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -19,7 +19,7 @@
 
 namespace shadowcut::bench {
 
-// The faces turned to the light, and points on them.
+// The faces turned to the light, and sample points on them.
 class Receivers {
  public:
   Receivers(const Scene& scene, const Light& light, std::span<const FaceArea> areas);
@@ -38,12 +38,12 @@ class Receivers {
   std::size_t size() const { return faces_.size(); }
   Target target(std::size_t i) const;
 
-  // Strata along each side of a face, for so many samples a face in the mean: the same for all, or
-  // by area, but at least four a face, or as many as asked for.
+  // Strata along each side of a face, for a mean number of samples per face: equal for all faces,
+  // or by area with at least four samples per face (or the mean number, if it is smaller).
   std::vector<std::uint32_t> strata(std::uint32_t samples, bool by_area) const;
 
-  // Calls visit(point, normal) at a random place in each of strata x strata parts of a face, and
-  // returns for how many it returned true.
+  // Calls visit(point, normal) at a random point in each of strata x strata parts of a face.
+  // Returns the number of calls that returned true.
   template <class Visit>
   static std::size_t count(const Target& target, std::uint32_t strata, const Visit& visit) {
     scenes::Random random(target.face * 0x10001ull + strata);
@@ -76,7 +76,7 @@ class Receivers {
   double area_ = 0;
 };
 
-// The area on each receiver for whose sample points the predicate holds, by Receivers' index.
+// By index of Receivers: the area whose sample points fulfil the predicate.
 template <class Predicate>
 std::vector<double> areas_where(const Receivers& receivers, std::span<const std::uint32_t> strata,
                                 const Predicate& predicate) {
@@ -92,7 +92,7 @@ std::vector<double> areas_where(const Receivers& receivers, std::span<const std:
   return areas;
 }
 
-// Embree on one thread; started once, and counted in no job's time.
+// Embree on one thread. It is started once; no job includes that time.
 class RayDevice {
  public:
   RayDevice();
@@ -105,9 +105,9 @@ class RayDevice {
   std::unique_ptr<RTCDeviceTy, Free> device_;
 };
 
-// Embree's rtcOccluded1, in the robust mode. Single precision: coordinates are taken from the
-// scene's middle, and a ray starts 2^-20 of the scene's radius off its face, towards the light, so
-// that neither the face itself nor one that touches it is in the way.
+// Embree's rtcOccluded1 in robust mode. Embree uses single precision: coordinates are relative to
+// the centre of the scene, and a ray starts off its face, towards the light, by 2^-20 of the radius
+// of the scene, so that neither the face nor a face in contact with it occludes the ray.
 class Rays {
  public:
   Rays(const RayDevice& device, const Scene& scene, const Light& light);
@@ -123,11 +123,11 @@ class Rays {
   std::unique_ptr<RTCSceneTy, Free> scene_;
 };
 
-// A depth image from the light in single precision, or for a light among the faces a cube of six.
-// The window is fitted around the scene, and the nearest texel answers. Against self-shadowing,
-// what is drawn is moved away from the light by slope x 0.5 + 4 units, as OpenGL's polygon offset
-// does, and what is looked up half a texel off its face: of slopes 0, 0.5, 1.1 and 0, 0.5, 1, 1.5
-// texels these gave the smallest errors.
+// A depth image from the light in single precision; a cube of six images for a light among the
+// faces. The window is fitted around the scene, and the nearest texel is read. Against
+// self-shadowing, depths are moved away from the light by slope x 0.5 + 4 units, as OpenGL's
+// polygon offset does, and points are looked up half a texel off their face. Of slopes 0, 0.5, 1.1
+// and 0, 0.5, 1, 1.5 texels these values gave the smallest errors.
 class ShadowMap {
  public:
   ShadowMap(const Scene& scene, const Light& light, std::uint32_t side);

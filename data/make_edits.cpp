@@ -1,15 +1,16 @@
-// Writes a long random script of edits for `shadowcut replay`: make_edits SCENE SEED COUNT >
-// edits.jsonl
+// Writes a random script of edits for `shadowcut replay`:
 //
-// SCENE is a file, or the name of a made scene (city:100; make_scenes writes its file). The same
-// seed gives the same script, to the byte, on every machine: nothing here depends on the standard
-// library's distributions or sines.
+//   make_edits SCENE SEED COUNT > edits.jsonl
 //
-// COUNT edits in groups of random size, an update after each. What is moved is chosen evenly among
-// the objects whose names are unique. Half of the edits are small moves; the others go far, come
-// home to the bit, slide along an axis (so that what touched still touches), pass through a light,
-// meet another object, turn by angles whose sines are rational, are scaled, vanish and come back;
-// and lights move.
+// SCENE is a file, or the name of a generated scene (city:100; make_scenes writes its file). The
+// same seed gives the same bytes on every machine: the program does not use the distributions or
+// the sines of the standard library.
+//
+// The script has COUNT edits in groups of random size, with an update after each group. Objects are
+// chosen evenly among the objects with unique names. Half of the edits are small moves. The other
+// edits move an object far, return it exactly to its first position, slide it along an axis (so
+// that contact stays contact), move it through a light or into another object, turn it by an angle
+// with rational sine and cosine, scale it, remove it or add it again; lights move too.
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <iostream>
@@ -120,7 +121,7 @@ class Script {
       return to_grid(
           Vec3(flat.x() - thing.shift.x(), flat.y() - thing.shift.y(), up - thing.shift.z()));
     }
-    // anywhere, walls or not
+    // anywhere, also through walls
     if (dice < 50) return to_grid(world_.center() + random_.in_ball(1) * (0.6 * world) - now);
     // along an axis
     if (dice < 65) {
@@ -146,8 +147,8 @@ class Script {
     write_pose(out, thing, homes_[index]);
   }
 
-  // About the object's middle, by an angle of which sine and cosine are rational, now and then
-  // larger or smaller.
+  // Turns about the centre of the object by an angle with rational sine and cosine, sometimes with
+  // a change of size.
   void turn(std::ostream& out, Thing& thing, std::size_t index) {
     static constexpr double angles[][2] = {
         {0, 1}, {-1, 0}, {0.8, 0.6}, {0.28, 0.96}, {0.96, -0.28}};
@@ -218,7 +219,7 @@ void run(const Arguments& a) {
     scene.replace_lights(lights);
   }
   Script script(scene, a);
-  if (script.is_empty()) throw Error(a.scene + ": no object with a name of its own");
+  if (script.is_empty()) throw Error(a.scene + ": no object has a unique name");
   script.write(std::cout);
   if (!std::cout.flush()) throw Error("standard output cannot be written");
 }
@@ -228,20 +229,19 @@ void run(const Arguments& a) {
 int main(int argc, char** argv) {
   CLI::App app("Writes a random script of edits", "make_edits");
   Arguments a;
-  app.add_option("SCENE", a.scene, "A scene file, or the name of a made scene such as city:100")
+  app.add_option("SCENE", a.scene, "Scene file, or the name of a generated scene such as city:100")
       ->required();
   app.add_option("SEED", a.seed)->required();
-  app.add_option("COUNT", a.count, "How many edits")->required();
-  app.add_option("--per-update", a.most, "The most edits before an update (4)")
+  app.add_option("COUNT", a.count, "Number of edits")->required();
+  app.add_option("--per-update", a.most, "Largest number of edits before an update (4)")
       ->check(CLI::PositiveNumber);
   app.add_option("--light", a.lights,
-                 "x,y,z, where a point light is at first; none: the scene's own lights, and none "
-                 "moves if it has none")
+                 "First position x,y,z of a point light; without it the lights of the scene file")
       ->type_size(1)
       ->allow_extra_args(false);
-  app.add_option("--objects", a.objects, "Only so many objects are touched")
+  app.add_option("--objects", a.objects, "Edit only this number of objects")
       ->check(CLI::PositiveNumber);
-  app.add_flag("--keep", a.keep, "Nothing is removed");
+  app.add_flag("--keep", a.keep, "Remove no object");
   CLI11_PARSE(app, argc, argv);
   try {
     run(a);

@@ -1,6 +1,9 @@
-// Writes the shipped scenes: make_scenes FOLDER. An OBJ each, in world coordinates with all their
-// digits; scenes.json with their lights; and room4_edits.jsonl, a computer's way across the fourth
-// room. Or any scene's OBJ: make_scenes FOLDER NAME..., with names as city:100.
+// Writes generated scenes.
+//
+//   make_scenes FOLDER           the shipped scenes: an OBJ file each, in world coordinates with
+//                                all digits; scenes.json with their lights; room4_edits.jsonl, the
+//                                moves of a computer through the fourth room
+//   make_scenes FOLDER NAME...   the OBJ files of the named scenes, for example city:100
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -76,10 +79,10 @@ bool write(const std::string& path, const std::string& text) {
   return static_cast<bool>(out.flush());
 }
 
-// Zero, or the program's exit status.
+// Returns the exit status of the program.
 int write_obj(const std::string& folder, const SceneData& data) {
   if (has_holes(data)) {
-    std::cerr << data.name << ": OBJ has no holes\n";
+    std::cerr << data.name << ": OBJ files cannot hold faces with holes\n";
     return 1;
   }
   const std::string path = folder + "/" + data.name + ".obj";

@@ -1,5 +1,5 @@
-// See scenes.hpp. Furniture is modelled with its back at y = 0, standing on z = 0, and posed
-// against a wall.
+// Generated scenes; see scenes.hpp. Furniture is modelled with its back at y = 0 and its feet at z
+// = 0, then posed against a wall.
 #include "scenes.hpp"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ double Random::unit() { return static_cast<double>(next() >> 11) * 0x1p-53; }
 double Random::in(double lo, double hi) { return to_grid(lo + (hi - lo) * unit()); }
 
 Vec3 Random::in_cube(double lo, double hi) {
-  // One statement each: the order in which arguments are evaluated is the compiler's.
+  // One statement each, because the order of evaluation of arguments is unspecified.
   const double x = in(lo, hi);
   const double y = in(lo, hi);
   const double z = in(lo, hi);
@@ -218,7 +218,7 @@ Mesh chair() {
   return mesh;
 }
 
-// Counts what it has placed, to give everything a name.
+// Counts the placed objects, to give each a name.
 struct Furnisher {
   SceneData& data;
   std::size_t desks = 0, computers = 0, bookcases = 0, books = 0, chairs = 0;
@@ -236,7 +236,7 @@ struct Furnisher {
     add(data, bookcase(), numbered("bookcase", ++bookcases), pose);
   }
 
-  // Three at most, that touch each other and the case.
+  // At most three books, in contact with each other and with the case.
   void add_books(const Pose& pose, int how_many) {
     double x = kBoard + 0.07 * static_cast<double>(bookcases);
     for (const Vec3& b : {Vec3(0.05, 0.2, 0.28), Vec3(0.035, 0.17, 0.24), Vec3(0.04, 0.18, 0.26)}) {
@@ -254,7 +254,7 @@ struct Furnisher {
   void add_chair(const Pose& pose) { add(data, chair(), numbered("chair", ++chairs), pose); }
 };
 
-// The six faces of a room, seen from within, with a doorway in its northern wall.
+// The six faces of a room, facing inward, with a doorway in the northern wall.
 Mesh shell(double w, double d, double h) {
   Mesh mesh;
   for (int k = 0; k < 8; ++k)
@@ -307,8 +307,8 @@ SceneData room(int level) {
 }
 
 SceneData slater_room(int number) {
-  // Desks and bookcases beyond the first, in the order of his table; the last but two has some
-  // books besides.
+  // Desks and bookcases beyond the first, in the order of Slater's table; the third from last also
+  // has some books.
   struct Furniture {
     int desks, bookcases, polygons;
   };
@@ -347,7 +347,7 @@ SceneData furnished_room() {
   data.light.name = "lamp";
   Mesh shell_mesh;
   {
-    // The southern wall gets its window.
+    // The southern wall has a window.
     const Mesh plain = shell(walls.w, walls.d, 2.7);
     shell_mesh.vertices = plain.vertices;
     for (const Vec3& v : {Vec3(6, 0, 0.9), Vec3(8, 0, 0.9), Vec3(8, 0, 2.1), Vec3(6, 0, 2.1)})
@@ -400,8 +400,8 @@ SceneData tetrahedron(int depth) {
   SceneData data;
   data.name = "tetrahedron" + std::to_string(depth);
   data.light = Light::point({2.71, -0.43, 3.37});
-  // Regular to six digits; multiples of 2^-20, so that halving is exact and the parts touch in
-  // vertices bit-equal.
+  // Regular to six digits. Coordinates are multiples of 2^-20, so that halving is exact and the
+  // parts share their vertices to the bit.
   const std::array<Vec3, 4> corners{
       Vec3(to_grid(0.942809), 0, 0), Vec3(to_grid(-0.471405), to_grid(0.816497), 0),
       Vec3(to_grid(-0.471405), to_grid(-0.816497), 0), Vec3(0, 0, to_grid(1.333333))};
@@ -422,14 +422,15 @@ SceneData city(std::uint32_t n) {
       const double margin[4] = {random.in(0.1, 0.25), random.in(0.1, 0.25), random.in(0.7, 0.9),
                                 random.in(0.7, 0.9)};
       const double u = random.unit(), height = to_grid(0.3 + 2.2 * u * u * u);
-      // Every fourth house keeps to the building line: facades along a street are coplanar.
+      // Every fourth house stands on the building line, so that facades along a street are
+      // coplanar.
       const bool aligned = random.below(4) == 0;
       const double x0 = aligned ? 0.125 : margin[0], y0 = aligned ? 0.125 : margin[1];
       add(data, box({x + x0, y + y0, 0}, {x + margin[2], y + margin[3], height}),
           "house." + std::to_string(x) + "." + std::to_string(y));
     }
   }
-  // Above a street, but near enough to its houses that some reach below it and lose a facade.
+  // Above a street, but so near to its houses that some stand below the light and lose a facade.
   const double column = std::floor(0.31 * n), row = std::floor(0.64 * n);
   data.light = Light::point({column + 0.876, row + 0.957, 0.4 * n + 4.19});
   return data;
@@ -454,7 +455,8 @@ SceneData triangles(std::uint32_t n) {
   SceneData data;
   data.name = "triangles" + std::to_string(n);
   Random random(4242 + n);
-  // As large as the mean distance between them: shadows in abundance, and a few per cent cross.
+  // As large as the mean distance between them: most cast shadows on others, and a few per cent
+  // cross.
   const double reach = 0.75 * std::pow(n, -1.0 / 3);
   add(data, rectangle({-1, -1, 0}, {3, 0, 0}, {0, 3, 0}), "ground");
   for (std::uint32_t k = 0; k < n; ++k) {
@@ -505,8 +507,8 @@ struct Twig {
         radius;
     const Vec3 other = along.cross(side).normalized() * radius;
     const Vec3 u = to_grid(side), v = to_grid(Vec3(0.5 * side + 0.8660254 * other));
-    // Seen along the twig the outline turns left; a prism's base must turn left seen from outside,
-    // which is from behind the start.
+    // Seen along the twig, the outline turns left. The base of a prism must turn left seen from
+    // outside, from behind the start.
     const Mesh wood =
         prism({from + u, from + u - v, from - v, from - u, from + v - u, from + v}, along);
     add(data, triangles ? triangulated(wood) : wood, numbered("twig", ++twigs));
@@ -596,7 +598,7 @@ Mesh hull(const Vec3& at, double scale, const std::vector<Vec3>& points,
   return solid(at, scale, points, faces);
 }
 
-// All points (or normals) that signs and the six orders of its coordinates make of one.
+// All points (or normals) that follow from one by changes of sign and permutations of coordinates.
 std::vector<Vec3> all_of(const Vec3& one) {
   std::vector<Vec3> all;
   std::array<double, 3> x{one.x(), one.y(), one.z()};
@@ -736,7 +738,7 @@ const std::vector<std::string>& image_space_scenes() {
 
 namespace {
 
-// Whole numbers with commas between; nothing when there is anything else.
+// Whole numbers separated by commas, or nullopt.
 std::vector<std::uint32_t> sizes_of(std::string_view text) {
   std::vector<std::uint32_t> sizes;
   const char *at = text.data(), *const end = at + text.size();

@@ -1,9 +1,9 @@
-// Scenes for tests and benchmarks, made by rule: the same bits on every machine, because nothing
-// here depends on the standard library's distributions or on the last bit of its sines. z is up;
-// lengths are metres, roughly.
+// Generated scenes for tests and benchmarks. They are the same bits on every machine, because the
+// code does not use the distributions of the standard library or the last bit of its sines. z is
+// up; lengths are roughly metres.
 //
 // The scenes are degenerate on purpose: desks stand on floors and against walls, legs are flush
-// with desk tops, facades line up, posters lie in their walls. The rooms follow Chrysanthou &
+// with desk tops, facades are coplanar, posters lie in their walls. The rooms follow Chrysanthou &
 // Slater 1995 (I3D), section 6: "a room, which contained bookcases with two books, and desks with
 // computers on top", with 133, 211, 313 and 745 polygons.
 #pragma once
@@ -52,7 +52,7 @@ Mesh prism(const std::vector<Vec3>& base, const Vec3& along);
 Mesh rectangle(const Vec3& corner, const Vec3& u, const Vec3& v);  // front along u x v
 // 2*segments*(rings-1) triangles
 Mesh uv_sphere(const Vec3& centre, double radius, std::uint32_t segments, std::uint32_t rings);
-// other's faces, as a further part
+// adds the faces of `other` as a further part
 void append(Mesh& mesh, const Mesh& other);
 
 // A room of the paper: level 1 to 4 gives 133, 211, 313, 745 polygons. One wall has a doorway, a
@@ -70,7 +70,7 @@ SceneData furnished_room();
 // face: 4^depth*4 + 1 polygons.
 SceneData tetrahedron(int depth);
 // n*n boxes of six faces on a ground face. The light stands above the streets, outside every box;
-// 100 gives 29 989 faces toward it.
+// 100 gives 29 989 facing faces.
 SceneData city(std::uint32_t n);
 // Spheres of 2*segments*(rings-1) triangles each above a ground face. (100, 64, 33) gives about 200
 // 000 faces toward the light.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the API reference of the public headers with Doxygen, into out/reference/index.html. A warning
+# Builds the API reference of the public headers with Doxygen: out/reference/index.html. A warning
 # is an error. Installs Doxygen on Debian if it is missing.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds the WebAssembly package and the walkthrough, serves it and prints the address.
-#   scripts/web.sh            until Ctrl-C
-#   scripts/web.sh --build    stops before serving: web/walkthrough/dist can be served from anywhere
+# Builds the WebAssembly package and the walkthrough, installing missing packages first.
+#   scripts/web.sh            serves the walkthrough until Ctrl-C and prints its address
+#   scripts/web.sh --build    only builds; any server can serve web/walkthrough/dist
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" emscripten nodejs npm
 cmake --preset wasm >/dev/null
 cmake --build --preset wasm

@@ -27,7 +27,8 @@ void check_outputs(const CastArguments& a) {
   }
   if (!a.areas.empty()) check_folder(a.areas);
   if (!a.json.empty() && a.json != "-") check_folder(a.json);
-  if (!a.drawings.empty() && drawings == 0) throw Error("--svg: there is no output with the extension .svg");
+  if (!a.drawings.empty() && drawings == 0)
+    throw Error("--svg: there is no output with the extension .svg");
   if (a.drawings.size() > 1 && a.drawings.size() != drawings)
     throw Error("--svg: give one view for all drawings, or one view for each drawing");
 }

@@ -73,8 +73,8 @@ void inspect(const InspectArguments& arguments);
 void compare_algorithms(const CompareArguments& arguments);
 void render_picture(const RenderArguments& arguments);
 void view_scene(const ViewArguments& arguments);
-// Returns an empty string or, with `verify`, a sentence that names the first update that differs from
-// a rebuild.
+// Returns an empty string or, with `verify`, a sentence that names the first update that differs
+// from a rebuild.
 std::string replay(const ReplayArguments& arguments);
 
 }  // namespace shadowcut::cli

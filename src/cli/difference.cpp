@@ -114,8 +114,8 @@ class Grid {
   std::vector<std::uint32_t> seen_;
 };
 
-// The area that is not exactly once in both layers. It is summed by polygon, so that an area covered
-// twice cannot compensate a missing one.
+// The area that is not exactly once in both layers. It is summed by polygon, so that an area
+// covered twice cannot compensate a missing one.
 double symmetric_difference(const Layer& one, const Layer& other) {
   if (one.polygons.empty() && other.polygons.empty()) return 0;
   std::vector<double> rest;

@@ -1,5 +1,5 @@
-// The difference of two shadows of one scene: not of their fragments, which may differ, but of their
-// lit regions.
+// The difference of two shadows of one scene: not of their fragments, which may differ, but of
+// their lit regions.
 #pragma once
 
 #include <shadowcut/shadows.hpp>
@@ -23,11 +23,12 @@ std::vector<double> difference_shares(const Scene& scene, const Shadows& one, co
 // The face with the largest share.
 Difference greatest_difference(const Scene& scene, const Shadows& one, const Shadows& other);
 
-// The largest share at which an update still equals a rebuild. The exact kernel cuts both along the same
-// lines, so 1e-12 covers the rounding of areas. Corners of the input are added to that: a corner that
-// is off its plane by the plane's flatness moves along its ray to the plane by the flatness divided
-// by the sine of the angle between ray and plane, and the two trees may use the corner itself at
-// different places of the outline. The fast kernel, and faces that are nearly edge-on, have 1e-9.
+// The largest share at which an update still equals a rebuild. The exact kernel cuts both along the
+// same lines, so 1e-12 covers the rounding of areas. Corners of the input are added to that: a
+// corner that is off its plane by the plane's flatness moves along its ray to the plane by the
+// flatness divided by the sine of the angle between ray and plane, and the two trees may use the
+// corner itself at different places of the outline. The fast kernel, and faces that are nearly
+// edge-on, have 1e-9.
 double tolerance_of(const Scene& scene, const Light& light, std::uint32_t face, Kernel kernel);
 
 }  // namespace shadowcut::cli

@@ -1,5 +1,5 @@
-// The program shadowcut: parses the arguments and runs a command. Every error is one line on standard
-// error and exit status 2. A replay whose verification fails has exit status 1.
+// The program shadowcut: parses the arguments and runs a command. Every error is one line on
+// standard error and exit status 2. A replay whose verification fails has exit status 1.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>

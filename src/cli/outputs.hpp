@@ -7,8 +7,8 @@
 
 namespace shadowcut::cli {
 
-// Throws Error if the folder of the path does not exist. Called before the work of a command, so that
-// a wrong path is reported at once.
+// Throws Error if the folder of the path does not exist. Called before the work of a command, so
+// that a wrong path is reported at once.
 void check_folder(const std::string& path);
 
 // Writes files one after the other. If one fails, the files written before it are deleted.

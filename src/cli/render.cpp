@@ -35,7 +35,8 @@ render::MapSettings map_settings(const RenderArguments& a) {
     map.side = *a.map_side;
   }
   if (!a.bias.empty()) {
-    if (a.technique != "shadow-map") throw Error("--bias: only the technique shadow-map has a bias");
+    if (a.technique != "shadow-map")
+      throw Error("--bias: only the technique shadow-map has a bias");
     const std::vector<double> bias = parse_numbers_of("--bias", a.bias, "SLOPE,UNITS,TEXELS");
     map.slope_bias = static_cast<float>(bias[0]), map.unit_bias = static_cast<float>(bias[1]),
     map.texel_bias = static_cast<float>(bias[2]);

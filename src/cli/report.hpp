@@ -12,8 +12,8 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds_since(Clock::time_point start);
 
-// Prints one line on standard error for each issue, up to `most` issues, and one line with the number
-// of further issues.
+// Prints one line on standard error for each issue, up to `most` issues, and one line with the
+// number of further issues.
 void list_issues(const Scene& scene, const std::string& file, std::size_t most);
 
 // Facets that were snapped to a shared plane; see Scene::coplanarity_tolerance.

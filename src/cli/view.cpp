@@ -14,9 +14,9 @@ namespace shadowcut::cli {
 
 namespace {
 
-// A generated scene, so that the command needs no file: a lamp inside, and a lamp outside the door. A
-// depth buffer cannot order two faces in one plane, so faces that lie in the plane of another face
-// are moved three millimetres out of it.
+// A generated scene, so that the command needs no file: a lamp inside, and a lamp outside the door.
+// A depth buffer cannot order two faces in one plane, so faces that lie in the plane of another
+// face are moved three millimetres out of it.
 Scene furnished_room() {
   scenes::SceneData data = scenes::furnished_room();
   for (auto& [mesh, settings] : data.objects) {

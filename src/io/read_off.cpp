@@ -65,7 +65,8 @@ class Reader {
     for (std::uint64_t i = 0; i < count; ++i) {
       const std::string_view word = take_word(line);
       if (word.empty())
-        fail("face " + std::to_string(mesh_.face_count()) + " has fewer corners than its count says");
+        fail("face " + std::to_string(mesh_.face_count()) +
+             " has fewer corners than its count says");
       const std::optional<std::int64_t> index = integer_of(word);
       loop_.push_back(index && *index >= 0 && *index < invalid_index
                           ? static_cast<std::uint32_t>(*index)

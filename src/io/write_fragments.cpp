@@ -34,7 +34,8 @@ void write_fragments(const std::string& path, const Scene& scene, const Engine& 
     write_gltf(path, scene, pieces_of(scene, engine), extension == ".glb");
   else if (extension == ".svg") write_svg(path, scene, engine, view);
   else
-    throw Error(path + ": cannot be written: the extension is not one of .obj .ply .gltf .glb .svg");
+    throw Error(path +
+                ": cannot be written: the extension is not one of .obj .ply .gltf .glb .svg");
 }
 
 void write_areas(const std::string& path, const Scene& scene, const Engine& engine) {

@@ -168,7 +168,8 @@ class Writer {
     Eigen::AlignedBox3d box;
     for (const Vec3& p : points) box.extend(p);
     const Vec3 middle = box.center().cast<float>().cast<double>();
-    if (!middle.allFinite()) throw Error("coordinates exceed the range of glTF, which stores float");
+    if (!middle.allFinite())
+      throw Error("coordinates exceed the range of glTF, which stores float");
     return middle;
   }
 

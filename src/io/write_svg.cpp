@@ -406,7 +406,8 @@ void write_svg(const std::string& path, const Scene& scene, const Engine& engine
   std::vector<Light> lights = view.lights;
   if (lights.empty()) lights.assign(scene.lights().begin(), scene.lights().end());
   if (view.kind != View::Kind::face && lights.size() != engine.light_count())
-    throw Error(path + ": cannot be drawn: the lights of the view differ from the lights of the engine");
+    throw Error(path +
+                ": cannot be drawn: the lights of the view differ from the lights of the engine");
   try {
     write_text(path, draw(scene, engine, view, lights));
   } catch (const Error& error) {

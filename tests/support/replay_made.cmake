@@ -1,5 +1,5 @@
-# Replays random scripts with --verify and both kernels: every update equals a rebuild. The scripts are
-# the same bytes for the same seed.
+# Replays random scripts with --verify and both kernels: every update equals a rebuild. The scripts
+# are the same bytes for the same seed.
 file(READ ${DATA}/scenes.json index)
 foreach(name IN LISTS NAMES)
   string(JSON light GET "${index}" ${name}.obj light)
