@@ -4,8 +4,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 packages=(g++ cmake ninja-build libeigen3-dev libtinyobjloader-dev libassimp-dev libcli11-dev
-          nlohmann-json3-dev libtbb-dev libboost-dev libepoxy-dev libglfw3-dev libimgui-dev
-          libx11-dev libpng-dev pkg-config libegl1 libgl1-mesa-dri "$@")
+          nlohmann-json3-dev libtbb-dev libboost-dev robin-map-dev libepoxy-dev libglfw3-dev
+          libimgui-dev libx11-dev libpng-dev pkg-config libegl1 libgl1-mesa-dri "$@")
 missing=()
 for p in "${packages[@]}"; do
   # Some packages of Node contain npm.
