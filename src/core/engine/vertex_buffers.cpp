@@ -1,7 +1,7 @@
-// Vertex buffers that follow an engine: where fragments have their places, what becomes a hole,
-// what fills it.
+// Vertex buffers that follow an engine. Fragments that go leave holes; fragments that come fill
+// holes of their size, or are appended.
 
-#include <tsl/robin_map.h>
+#include "engine/vertex_buffers.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "support/free_list.hpp"
-#include "support/hash.hpp"
 
 namespace shadowcut {
 namespace {
@@ -24,83 +23,7 @@ void turn_to_front(std::vector<Vec3>& corners, const Vec3& normal) {
   if (doubled.dot(normal) < 0) std::reverse(corners.begin() + 1, corners.end());
 }
 
-struct FragmentIdHash {
-  std::size_t operator()(const FragmentId& id) const {
-    return mix((std::uint64_t{id.cell} << 32 | id.piece) ^ mix(id.place));
-  }
-};
-
 }  // namespace
-
-struct FragmentBuffers::Impl {
-  struct Place {  // of a fragment
-    std::uint32_t first_vertex, first_index, corners;
-  };
-  struct Hole {
-    Place place;
-    std::uint64_t made;  // in which update
-  };
-  struct Source {  // what all vertices of a fragment have in common
-    std::uint32_t face, facet;
-    bool lit;
-    std::span<const std::uint32_t> mask;
-  };
-
-  Impl(std::uint32_t light, const BufferLayout& layout);
-  void set_origin(const Vec3& origin);
-  void update(const Engine& engine, const Changes& changes);
-  void fill(const Engine& engine);
-  void fill(const Scene& scene, const Shadows& shadows);
-  void fill(const Scene& scene, const LightPartition& partition);
-
-  std::uint32_t vertices_of(std::uint32_t corners) const {
-    return layout_.indexed ? corners : 3 * (corners - 2);
-  }
-  std::uint32_t indices_of(std::uint32_t corners) const {
-    return layout_.indexed ? 3 * (corners - 2) : 0;
-  }
-  bool shows(bool lit) const {
-    return layout_.show == Show::all || lit == (layout_.show == Show::lit);
-  }
-  void begin();
-  void follow(const Engine& engine, const Changes& changes, bool next);
-  void refill(const Engine& engine);
-  void clear();
-  void apply(const Engine& engine, const LightChanges& change);
-  bool apply_to_faces(const Engine& engine, const Changes& changes);
-  void add_shadows(const Scene& scene, const Shadows& shadows);
-  void add_fragment(const Scene& scene, const FragmentView& fragment);
-  void add_partition(const Scene& scene, const LightPartition& partition);
-  Place add(const Scene& scene, const Source& source, std::span<const Vec3> corners);
-  void remove(const Place& place);
-  Place take_place(std::uint32_t corners);
-  void reserve(std::uint64_t vertices, std::uint64_t indices);
-  void set_mask_words(std::size_t lights);
-  void write_position(std::size_t vertex, const Vec3& position);
-  void write_source(std::size_t first, std::size_t count, const Source& source,
-                    std::uint32_t object, const Vec3& normal);
-  void list_changes();
-
-  std::uint32_t light_;
-  BufferLayout layout_;
-  std::uint64_t seen_ = 0;  // the last update applied; 0: the next one cannot be applied to it
-  std::uint32_t vertex_count_ = 0, vertex_capacity_ = 0, index_count_ = 0, index_capacity_ = 0;
-  std::uint32_t fragment_count_ = 0, hole_vertices_ = 0, mask_words_ = 0;
-  std::vector<float> positions_, normals_;
-  std::vector<double> double_positions_;
-  std::vector<std::uint32_t> faces_, objects_, masks_, indices_;
-  std::vector<std::uint8_t> states_;
-
-  tsl::robin_map<FragmentId, Place, FragmentIdHash> places_;  // of one light
-  std::vector<std::vector<Place>> places_of_face_;            // of all lights
-  std::vector<std::vector<Hole>> holes_;                      // by their number of corners
-  std::vector<Place> touched_;                                // since the update began
-  std::uint64_t updates_ = 0;
-  bool refilled_ = false, grown_ = false;
-  std::vector<Range> changed_vertices_, changed_indices_;
-  std::vector<std::uint32_t> mask_;  // of the current fragment
-  std::vector<Vec3> corners_;        // of the current fragment
-};
 
 FragmentBuffers::Impl::Impl(std::uint32_t light, const BufferLayout& layout)
     : light_(light), layout_(layout) {
@@ -393,59 +316,5 @@ void FragmentBuffers::Impl::list_changes() {
     cover(changed_indices_, place.first_index, indices_of(place.corners));
   }
 }
-
-// ---- The public face.
-
-FragmentBuffers::FragmentBuffers(std::uint32_t light, const BufferLayout& layout)
-    : impl_(std::make_unique<Impl>(light, layout)) {}
-FragmentBuffers::~FragmentBuffers() = default;
-FragmentBuffers::FragmentBuffers(const FragmentBuffers& other)
-    : impl_(std::make_unique<Impl>(*other.impl_)) {}
-FragmentBuffers& FragmentBuffers::operator=(const FragmentBuffers& other) {
-  if (this != &other) impl_ = std::make_unique<Impl>(*other.impl_);
-  return *this;
-}
-FragmentBuffers::FragmentBuffers(FragmentBuffers&&) noexcept = default;
-FragmentBuffers& FragmentBuffers::operator=(FragmentBuffers&&) noexcept = default;
-
-void FragmentBuffers::update(const Engine& engine, const Changes& changes) {
-  impl_->update(engine, changes);
-}
-void FragmentBuffers::fill(const Engine& engine) { impl_->fill(engine); }
-void FragmentBuffers::fill(const Scene& scene, const Shadows& shadows) {
-  impl_->fill(scene, shadows);
-}
-void FragmentBuffers::fill(const Scene& scene, const LightPartition& partition) {
-  impl_->fill(scene, partition);
-}
-void FragmentBuffers::forget() { impl_->seen_ = 0; }
-void FragmentBuffers::set_origin(const Vec3& origin) { impl_->set_origin(origin); }
-
-std::uint32_t FragmentBuffers::light() const { return impl_->light_; }
-const BufferLayout& FragmentBuffers::layout() const { return impl_->layout_; }
-std::uint32_t FragmentBuffers::vertex_count() const { return impl_->vertex_count_; }
-std::uint32_t FragmentBuffers::vertex_capacity() const { return impl_->vertex_capacity_; }
-std::uint32_t FragmentBuffers::index_count() const { return impl_->index_count_; }
-std::uint32_t FragmentBuffers::index_capacity() const { return impl_->index_capacity_; }
-std::uint32_t FragmentBuffers::fragment_count() const { return impl_->fragment_count_; }
-std::uint32_t FragmentBuffers::hole_vertices() const { return impl_->hole_vertices_; }
-std::uint32_t FragmentBuffers::mask_words() const { return impl_->mask_words_; }
-bool FragmentBuffers::grown() const { return impl_->grown_; }
-std::span<const FragmentBuffers::Range> FragmentBuffers::changed_vertices() const {
-  return impl_->changed_vertices_;
-}
-std::span<const FragmentBuffers::Range> FragmentBuffers::changed_indices() const {
-  return impl_->changed_indices_;
-}
-std::span<const float> FragmentBuffers::positions() const { return impl_->positions_; }
-std::span<const double> FragmentBuffers::double_positions() const {
-  return impl_->double_positions_;
-}
-std::span<const float> FragmentBuffers::normals() const { return impl_->normals_; }
-std::span<const std::uint32_t> FragmentBuffers::faces() const { return impl_->faces_; }
-std::span<const std::uint32_t> FragmentBuffers::objects() const { return impl_->objects_; }
-std::span<const std::uint8_t> FragmentBuffers::states() const { return impl_->states_; }
-std::span<const std::uint32_t> FragmentBuffers::masks() const { return impl_->masks_; }
-std::span<const std::uint32_t> FragmentBuffers::indices() const { return impl_->indices_; }
 
 }  // namespace shadowcut

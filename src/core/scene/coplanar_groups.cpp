@@ -118,13 +118,13 @@ class Grouping {
   static constexpr double slack = 32 * unit_roundoff;  // of coordinates about one
   struct Node {
     Vec3 axis, middle;
-    double cone = 0;                      // normals differ from the axis by no more
-    double radius = 0, thickness = 0;     // of all corners about the middle; and along the axis
-    double doubt = 0, reach = 0;          // the largest
-    std::uint32_t first, end;             // items
+    double cone = 0;                   // normals differ from the axis by no more
+    double radius = 0, thickness = 0;  // of all corners about the middle; and along the axis
+    double doubt = 0, reach = 0;       // the largest
+    std::uint32_t first, end;          // items
     std::uint32_t parent,
-        second = invalid_index;           // the first child follows its parent; none: a leaf
-    std::uint32_t waiting;                // items that have no leader yet
+        second = invalid_index;  // the first child follows its parent; none: a leaf
+    std::uint32_t waiting;       // items that have no leader yet
   };
 
   Vec3 scaled(const Vec3& x) const { return (x - middle_) * unit_; }

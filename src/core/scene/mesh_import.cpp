@@ -1,179 +1,22 @@
 #include "scene/mesh_import.hpp"
 
 #include <tsl/robin_map.h>
-#include <tsl/robin_set.h>
 
-#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <numeric>
 #include <tuple>
 
-#include "numbers/error_free.hpp"
 #include "scene/convex_decomposition.hpp"
 #include "scene/coplanar_groups.hpp"
+#include "scene/distinct.hpp"
+#include "scene/plane_fit.hpp"
 #include "support/hash.hpp"
 
 namespace shadowcut {
 namespace {
-
-struct PositionHash {
-  std::size_t operator()(const Vec3& v) const {
-    std::uint64_t bits[3];
-    std::memcpy(bits, v.data(), sizeof bits);
-    return mix(bits[0] + mix(bits[1] + mix(bits[2])));
-  }
-};
-
-// Positions by their indices into an array of distinct positions.
-class PositionSet {
- public:
-  PositionSet(const std::vector<Vec3>& positions, std::size_t expected)
-      : indices_(0, Hash{&positions}, Equal{&positions}) {
-    indices_.reserve(expected);
-  }
-  // Enters position i. Returns i, or the index of an equal position entered before.
-  std::uint32_t enter(std::uint32_t i) { return *indices_.insert(i).first; }
-
- private:
-  struct Hash {
-    const std::vector<Vec3>* positions;
-    std::size_t operator()(std::uint32_t i) const { return PositionHash()((*positions)[i]); }
-  };
-  struct Equal {
-    const std::vector<Vec3>* positions;
-    bool operator()(std::uint32_t i, std::uint32_t j) const {
-      return (*positions)[i] == (*positions)[j];
-    }
-  };
-  tsl::robin_set<std::uint32_t, Hash, Equal> indices_;
-};
-
-// The outlines of the faces kept so far, to find duplicates. Outlines are numbered from 0.
-class OutlineSet {
- public:
-  explicit OutlineSet(std::size_t expected) : known_(0, Hash{this}, Equal{this}) {
-    known_.reserve(expected);
-  }
-  OutlineSet(const OutlineSet&) = delete;  // the table refers to it
-  OutlineSet& operator=(const OutlineSet&) = delete;
-
-  // Enters the outline of a face; false if there is an equal one. Each loop is turned to begin with
-  // its smallest corner.
-  bool enter(std::span<const Loop> loops) {
-    const std::size_t begin = corners_.size();
-    for (const Loop& l : loops) {
-      const auto smallest =
-          static_cast<std::size_t>(std::min_element(l.begin(), l.end()) - l.begin());
-      for (std::size_t i = 0; i < l.size(); ++i) corners_.push_back(l[(smallest + i) % l.size()]);
-    }
-    std::uint64_t hash = loops.size();
-    for (std::size_t i = begin; i < corners_.size(); ++i) hash = mix(hash + corners_[i]);
-    hashes_.push_back(hash);
-    begins_.push_back(corners_.size());
-    if (known_.insert(static_cast<std::uint32_t>(hashes_.size() - 1)).second) return true;
-    hashes_.pop_back(), begins_.pop_back();
-    corners_.resize(begin);
-    return false;
-  }
-
- private:
-  struct Hash {
-    const OutlineSet* set;
-    std::size_t operator()(std::uint32_t i) const { return set->hashes_[i]; }
-  };
-  struct Equal {
-    const OutlineSet* set;
-    bool operator()(std::uint32_t i, std::uint32_t j) const {
-      const auto a = set->outline(i), b = set->outline(j);
-      return std::equal(a.begin(), a.end(), b.begin(), b.end());
-    }
-  };
-  std::span<const std::uint32_t> outline(std::uint32_t i) const {
-    return std::span(corners_).subspan(begins_[i], begins_[i + 1] - begins_[i]);
-  }
-
-  std::vector<std::uint32_t> corners_;
-  std::vector<std::size_t> begins_{0};  // into corners_; one more than outlines
-  std::vector<std::uint64_t> hashes_;   // by outline
-  tsl::robin_set<std::uint32_t, Hash, Equal> known_;
-};
-
-// The plane through a loop's first corner with Newell's normal. The arithmetic is on differences
-// from that corner, scaled to size one, so that neither a far-away face nor a huge or tiny one
-// loses digits.
-struct Fit {
-  Plane plane;
-  double area = 0;      // of the whole figure, holes taken off
-  double diameter = 0;  // of its bounding box
-  bool zero = true;     // no area that rounding could not have made
-};
-
-template <class Loops, class Position>
-Fit fit_plane(const Loops& loops, const Position& position) {
-  Fit out;
-  const Vec3 origin = position(loops[0][0]);
-  Eigen::AlignedBox3d box;
-  for (const std::uint32_t v : loops[0]) box.extend(position(v));
-  const double extent = box.sizes().maxCoeff();
-  out.diameter = box.sizes().stableNorm();
-  if (!std::isfinite(extent) || extent == 0) return out;
-  int exponent;
-  std::frexp(extent, &exponent);
-  // a power of two: short numbers stay short
-  const double size = std::ldexp(1.0, std::min(exponent, 1023));
-  Vec3 sum = Vec3::Zero();
-  double magnitude = 0;
-  for (std::size_t k = 0; k < loops.size(); ++k) {
-    Vec3 n = Vec3::Zero();
-    const Loop& l = loops[k];
-    const Vec3 first = (position(l[0]) - origin) / size;
-    for (std::size_t i = 1; i + 1 < l.size(); ++i) {
-      const Vec3 u = (position(l[i]) - origin) / size - first,
-                 v = (position(l[i + 1]) - origin) / size - first;
-      n += u.cross(v);
-      magnitude += u.norm() * v.norm();
-    }
-    // A hole takes its area off, whichever way it runs.
-    if (k > 0 && n.dot(sum) > 0) n = -n;
-    sum += n;
-  }
-  const double length = sum.norm();
-  // Every term of a cross product carries at most five roundings of its own and one for each
-  // addition behind it.
-  out.zero = length <= (8.0 + static_cast<double>(loops[0].size())) * unit_roundoff * magnitude;
-  if (out.zero) return out;
-  out.plane.normal = sum / length;
-  out.plane.exact_normal = sum * std::ldexp(1.0, -std::ilogb(sum.cwiseAbs().maxCoeff()));
-  out.plane.point = origin;
-  out.plane.flatness = 0;
-  for (const Loop& l : loops) {
-    for (const std::uint32_t v : l)
-      out.plane.flatness =
-          std::max(out.plane.flatness, std::abs(out.plane.normal.dot(position(v) - origin)));
-  }
-  out.area = length / 2 * size * size;
-  // Over the face's least width, which is no less than area / diameter.
-  out.plane.tilt =
-      (out.plane.flatness + 8 * unit_roundoff * size) / size / (length / 2 / (out.diameter / size));
-  if (out.area == 0) out.zero = true;
-  return out;
-}
-
-Vec3 world(const Pose& pose, const Vec3& local) {
-  return (pose * local).unaryExpr([](double c) { return c == 0 ? 0.0 : c; });  // one zero
-}
-
-// Straight down the normal's largest component: those coordinates are the input's own, so every
-// turn of a loop of them is exact.
-Vec2 flattened(const Vec3& v, const Vec3& normal) {
-  Eigen::Index drop;
-  normal.cwiseAbs().maxCoeff(&drop);
-  return {v[(drop + 1) % 3] * (normal[drop] > 0 ? 1 : -1), v[(drop + 2) % 3]};
-}
 
 class MeshImporter : private ImportedMesh {
  public:
@@ -473,115 +316,13 @@ class MeshImporter : private ImportedMesh {
     std::size_t operator()(std::uint64_t ends) const { return mix(ends); }
   };
   tsl::robin_map<std::uint64_t, std::uint32_t, EdgeHash> edge_ids_;  // by both ends
-  std::vector<Loop> loops_;               // of the face at hand
-  std::vector<Vec2> points_;              // of the face at hand, flattened
+  std::vector<Loop> loops_;                                          // of the present face
+  std::vector<Vec2> points_;  // of the present face, flattened
   // directed edges of the kept outlines; where each face's begin
   std::vector<std::uint32_t> outline_, outline_face_;
 };
 
-// The planes of an object whose faces are one facet each.
-void move_planes(const Figure& figure, std::vector<Plane>& own,
-                 std::span<const PlaneOrigin> origins, std::uint32_t first_plane,
-                 std::vector<Plane>& out) {
-  std::vector<Patch> patches;
-  std::vector<Membership> members;
-  bool shared = false;
-  for (std::uint32_t k = 0; k < own.size(); ++k) {
-    const PlaneOrigin& origin = origins[figure.facets[k].plane - first_plane];
-    patches.push_back({k, k + 1});
-    members.push_back({origin.facet, origin.opposite});
-    shared = shared || origin.facet != k;
-  }
-  if (shared) own = common_planes(figure, patches, own, members);
-  out.assign(origins.size(), Plane{});
-  for (std::uint32_t k = 0; k < own.size(); ++k) {
-    Plane& plane = out[figure.facets[k].plane - first_plane];
-    const double tilt = std::max(plane.tilt, own[k].tilt);
-    plane = own[k];
-    plane.tilt = tilt;
-  }
-}
-
-bool is_rigid(const Pose& from, const Pose& to) {
-  const Eigen::Matrix3d turn = to.linear() * from.linear().inverse();
-  return (turn.transpose() * turn - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-9 &&
-         turn.determinant() > 0;
-}
-
-// False when the vertices are welded otherwise than before, or are not finite.
-bool move_vertices(const RigidMotion& motion, const Object& object, std::vector<Vec3>& out) {
-  out.resize(object.vertex_count);
-  std::uint32_t next = 0;
-  for (std::size_t i = 0; i < motion.mesh.vertices.size(); ++i) {
-    const Vec3 v = world(motion.to, motion.mesh.vertices[i]);
-    const std::uint32_t welded = motion.vertex_of[i];
-    if (welded == invalid_index || !v.allFinite()) return false;
-    if (welded == next) {
-      out[next++] = v;
-    } else if (out[welded] != v) {
-      return false;
-    }
-  }
-  PositionSet apart(out, out.size());  // two positions may have become one
-  for (std::uint32_t i = 0; i < out.size(); ++i) {
-    if (apart.enter(i) != i) return false;
-  }
-  return true;
-}
-
-// One loop, as the only loop of a figure.
-struct SingleLoop {
-  Loop loop;
-  std::size_t size() const { return 1; }
-  const Loop& operator[](std::size_t) const { return loop; }
-  const Loop* begin() const { return &loop; }
-  const Loop* end() const { return &loop + 1; }
-};
-
-// The areas and planes of faces that are one facet each. False when a face is not one facet, or is
-// no longer flat or convex.
-bool move_faces(const RigidMotion& motion, const Scene& scene, const Object& object, MovedMesh& out,
-                std::vector<Plane>& planes) {
-  SingleLoop loops;
-  std::vector<Vec2> points;
-  std::vector<std::uint32_t> order;
-  for (const Face& face : scene.faces().subspan(object.first_face, object.face_count)) {
-    if (face.facet_count != 1) return false;
-    loops.loop.clear();
-    for (const Corner& c : scene.corners_of(scene.facets()[face.first_facet]))
-      loops.loop.push_back(c.vertex - object.first_vertex);
-    const Fit fit =
-        fit_plane(loops, [&](std::uint32_t v) -> const Vec3& { return out.vertices[v]; });
-    if (fit.zero || !std::isfinite(fit.diameter) || !std::isfinite(fit.area)) return false;
-    const std::size_t n = loops.loop.size();
-    if (n > 3 && !(fit.plane.flatness <= motion.tolerances.flatness * fit.diameter)) return false;
-    points.clear(), order.clear();
-    for (std::size_t i = 0; i < n; ++i) {
-      if (out.vertices[loops.loop[i]] == out.vertices[loops.loop[(i + 1) % n]]) return false;
-      points.push_back(flattened(out.vertices[loops.loop[i]], fit.plane.normal));
-      order.push_back(static_cast<std::uint32_t>(i));
-    }
-    if (!is_convex(points, order)) return false;
-    planes.push_back(fit.plane);
-    out.areas.push_back(fit.area);
-  }
-  return true;
-}
-
 }  // namespace
-
-std::optional<MovedMesh> apply_rigid_motion(const RigidMotion& motion, const Scene& scene,
-                                            const Object& object, std::uint32_t first_plane) {
-  MovedMesh out;
-  std::vector<Plane> own;  // by facet, which is by face here
-  if (!is_rigid(object.pose, motion.to) || !move_vertices(motion, object, out.vertices) ||
-      !move_faces(motion, scene, object, out, own))
-    return std::nullopt;
-  const auto facets = scene.facets().subspan(object.first_facet, object.facet_count);
-  move_planes({facets, scene.corners(), out.vertices, object.first_vertex}, own, motion.origins,
-              first_plane, out.planes);
-  return out;
-}
 
 ImportedMesh import_mesh(const Mesh& mesh, const Pose& pose, const Tolerances& tolerances) {
   return MeshImporter(mesh, pose, tolerances).run();

@@ -6,144 +6,16 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <numbers>
-#include <numeric>
 
-#include "scene/mesh_arrays.hpp"
-#include "scene/mesh_import.hpp"
-#include "scene/scene_access.hpp"
+#include "scene/scene_storage.hpp"
 
 namespace shadowcut {
-
-Mesh::Mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles)
-    : vertices(vertices.begin(), vertices.end()) {
-  if (triangles.size() % 3 != 0)
-    throw Error("the number of indices of triangles is not a multiple of three: " +
-                std::to_string(triangles.size()));
-  add_faces(triangles, std::vector<std::uint32_t>(triangles.size() / 3, 3));
-}
-
-void Mesh::add_face(std::span<const std::uint32_t> outer) {
-  corners_.insert(corners_.end(), outer.begin(), outer.end());
-  loop_ends_.push_back(corners_.size());
-  face_ends_.push_back(loop_ends_.size());
-}
-
-void Mesh::add_faces(std::span<const std::uint32_t> corners,
-                     std::span<const std::uint32_t> counts) {
-  const std::uint64_t sum = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
-  if (sum != corners.size())
-    throw Error("the faces have " + std::to_string(sum) + " corners, and " +
-                std::to_string(corners.size()) + " were given");
-  corners_.reserve(corners_.size() + corners.size());
-  loop_ends_.reserve(loop_ends_.size() + counts.size());
-  face_ends_.reserve(face_ends_.size() + counts.size());
-  for (const std::uint32_t n : counts) {
-    add_face(corners.first(n));
-    corners = corners.subspan(n);
-  }
-}
-
-void Mesh::add_hole(std::span<const std::uint32_t> loop) {
-  if (face_ends_.empty()) throw Error("a hole needs a face");
-  corners_.insert(corners_.end(), loop.begin(), loop.end());
-  loop_ends_.push_back(corners_.size());
-  face_ends_.back() = loop_ends_.size();
-}
-
-std::size_t Mesh::loop_count(std::size_t face) const {
-  return face_ends_[face] - (face ? face_ends_[face - 1] : 0);
-}
-
-std::span<const std::uint32_t> Mesh::loop(std::size_t face, std::size_t k) const {
-  const std::size_t l = (face ? face_ends_[face - 1] : 0) + k;
-  const std::size_t begin = l ? loop_ends_[l - 1] : 0;
-  return std::span(corners_).subspan(begin, loop_ends_[l] - begin);
-}
-
-const char* reason_text(Reason reason) {
-  switch (reason) {
-    case Reason::non_finite:
-      return "a coordinate is not finite";
-    case Reason::index_out_of_range:
-      return "a corner's index is out of range";
-    case Reason::too_few_corners:
-      return "fewer than three distinct corners";
-    case Reason::zero_area:
-      return "zero area";
-    case Reason::self_intersecting:
-      return "the outline intersects itself";
-    case Reason::duplicate:
-      return "duplicate of an earlier face";
-    case Reason::repeated_corner:
-      return "repeated corner removed";
-    case Reason::not_flat:
-      return "not flat, triangulated";
-  }
-  return "";
-}
-
-bool is_refusal(Reason reason) {
-  return reason != Reason::repeated_corner && reason != Reason::not_flat;
-}
-
-void Light::check(const std::string& who) const {
-  if (kind == Kind::directional) {
-    if (!direction.allFinite()) throw Error(who + ": a coordinate is not finite");
-    if (direction.isZero(0)) throw Error(who + ": its direction is zero");
-    if (range != std::numeric_limits<double>::infinity())
-      throw Error(who + ": a directional light has no range");
-    if (spot) throw Error(who + ": a directional light has no spot");
-    return;
-  }
-  if (!position.allFinite()) throw Error(who + ": a coordinate is not finite");
-  if (!(range > 0)) throw Error(who + ": its range is not positive");
-  if (spot) {
-    if (!spot->axis.allFinite() || spot->axis.isZero(0))
-      throw Error(who + ": its spot axis is zero or not finite");
-    if (!(spot->half_angle > 0) || spot->half_angle > std::numbers::pi)
-      throw Error(who + ": its spot angle is not in (0, pi]");
-  }
-}
-
-struct Scene::Source {
-  Mesh mesh;
-  Sides sides;                           // as in the settings
-  std::vector<std::uint32_t> vertex_of;  // see ImportedMesh
-  std::vector<PlaneOrigin> origins;      // likewise
-};
-
-struct Scene::Allocation {
-  ArrayRanges ranges;
-  std::uint32_t owner;  // index of an object, or invalid_index
-};
-
-struct Scene::Slot {
-  std::uint32_t generation = 0;
-  std::uint32_t allocation = invalid_index;
-  std::uint64_t revision = 0;
-  // the objects in the order of their last change
-  std::uint32_t older = invalid_index, newer = invalid_index;
-  std::shared_ptr<const Source> source;
-};
-
-struct Scene::LightSlot {
-  std::uint32_t generation = 0;
-  bool alive = false;
-  std::uint64_t revision = 0;
-};
 
 namespace {
 
 std::uint32_t new_tag() {
   static std::atomic<std::uint32_t> last{0};
   return ++last;
-}
-
-template <class T>
-std::uint32_t count_of(const T& v) {
-  return static_cast<std::uint32_t>(v.size());
 }
 
 template <class T>
@@ -166,25 +38,6 @@ void reserve(MeshArrays& arrays, const ArrayCounts& counts) {
       arrays.corners.size() + counts[corner_array] >= invalid_index)
     throw Error("the scene is larger than 2^29 edges");
   for_each_array([&](ArrayIndex k, auto& v) { reserve_more(v, counts[k]); }, arrays);
-}
-
-// Makes the arrays long enough to hold a range.
-void grow_to(MeshArrays& arrays, const ArrayRanges& ranges) {
-  for_each_array(
-      [&](ArrayIndex k, auto& v) {
-        const std::size_t end = std::size_t{ranges.first[k]} + ranges.count[k];
-        if (v.size() < end) v.resize(end, hole_in(v));
-      },
-      arrays);
-}
-
-// Takes the facets and faces of an object out of the arrays.
-void clear(MeshArrays& arrays, const ArrayRanges& ranges) {
-  const auto fill = [&ranges](ArrayIndex k, auto& v) {
-    std::fill_n(v.begin() + ranges.first[k], ranges.count[k], hole_in(v));
-  };
-  fill(facet_array, arrays.facets);
-  fill(face_array, arrays.faces);
 }
 
 // Moves the arrays of an object into its ranges: indices, which count from the first element of the
@@ -494,108 +347,6 @@ ObjectId Scene::object_id(std::size_t index) const {
 LightId Scene::light_id(std::size_t index) const {
   if (index >= lights_.size() || !light_slots_[index].alive) return {};
   return {static_cast<std::uint32_t>(index), light_slots_[index].generation, tag_};
-}
-
-std::uint64_t SceneAccess::object_revision(const Scene& scene, std::size_t index) {
-  return scene.slots_[index].revision;
-}
-std::uint64_t SceneAccess::light_revision(const Scene& scene, std::size_t index) {
-  return scene.light_slots_[index].revision;
-}
-
-std::vector<std::uint32_t> SceneAccess::changed_since(const Scene& scene, std::uint64_t revision) {
-  std::vector<std::uint32_t> changed;
-  for (std::uint32_t i = scene.newest_; i != invalid_index && scene.slots_[i].revision > revision;
-       i = scene.slots_[i].older)
-    changed.push_back(i);
-  std::reverse(changed.begin(), changed.end());
-  return changed;
-}
-
-std::uint32_t SceneAccess::owner_of_allocation(const Scene& scene, const Scene& other,
-                                               std::uint32_t index) {
-  const std::uint32_t allocation =
-      index < other.slots_.size() ? other.slots_[index].allocation : invalid_index;
-  return allocation < scene.allocations_.size() ? scene.allocations_[allocation].owner
-                                                : invalid_index;
-}
-
-void SceneAccess::copy_objects(Scene& to, const Scene& from,
-                               std::span<const std::uint32_t> indices) {
-  if (to.objects_.size() < from.objects_.size()) {
-    Object empty{};
-    empty.alive = false;
-    for (std::uint32_t i = count_of(to.objects_); i < from.objects_.size(); ++i)
-      to.free_objects_.push_back(i);
-    to.objects_.resize(from.objects_.size(), empty);
-    to.slots_.resize(from.slots_.size());
-  }
-  for (std::size_t a = to.allocations_.size(); a < from.allocations_.size(); ++a) {
-    to.allocations_.push_back({from.allocations_[a].ranges, invalid_index});
-    grow_to(to.arrays_, to.allocations_[a].ranges);
-    to.free_allocations_.emplace(to.allocations_[a].ranges.count[corner_array],
-                                 static_cast<std::uint32_t>(a));
-  }
-  for (const std::uint32_t i : indices) to.release_copy(i);
-  for (const std::uint32_t i : indices) to.take_copy(from, i);
-  for (const Issue& i : from.issues_) {
-    if (std::find(indices.begin(), indices.end(), i.object) != indices.end())
-      to.issues_.push_back(i);
-  }
-}
-
-// Frees the allocation of an object that is to be copied.
-void Scene::release_copy(std::uint32_t index) {
-  const std::uint32_t allocation = slots_[index].allocation;
-  if (allocation == invalid_index) return;
-  const ArrayRanges& ranges = allocations_[allocation].ranges;
-  clear(arrays_, ranges);
-  std::erase_if(issues_, [index](const Issue& i) { return i.object == index; });
-  allocations_[allocation].owner = invalid_index;
-  free_allocations_.emplace(ranges.count[corner_array], allocation);
-}
-
-// Copies an object into the allocation that it owns in the other scene, which is free here.
-void Scene::take_copy(const Scene& from, std::uint32_t index) {
-  const Slot& source = from.slots_[index];
-  if (objects_[index].alive != from.objects_[index].alive) {
-    if (from.objects_[index].alive) std::erase(free_objects_, index);
-    else free_objects_.push_back(index);
-  }
-  objects_[index] = from.objects_[index];
-  Slot& slot = slots_[index];
-  slot.allocation = source.allocation;
-  slot.generation = source.generation;
-  slot.revision = source.revision;
-  slot.source = source.source;
-  revision_ = std::max(revision_, source.revision);
-  make_newest(index);
-  if (slot.allocation == invalid_index) return;
-  Allocation& allocation = allocations_[slot.allocation];
-  allocation.owner = index;
-  const auto [first, last] = free_allocations_.equal_range(allocation.ranges.count[corner_array]);
-  free_allocations_.erase(
-      std::find_if(first, last, [&slot](const auto& a) { return a.second == slot.allocation; }));
-  for_each_array(
-      [&ranges = allocation.ranges](ArrayIndex k, auto& target, const auto& other) {
-        std::copy_n(other.begin() + ranges.first[k], ranges.count[k],
-                    target.begin() + ranges.first[k]);
-      },
-      arrays_, from.arrays_);
-}
-
-void SceneAccess::copy_light(Scene& to, const Scene& from, std::uint32_t index) {
-  while (to.lights_.size() < from.lights_.size()) {
-    to.free_lights_.push_back(count_of(to.lights_));
-    to.lights_.emplace_back();
-    to.light_slots_.emplace_back();
-  }
-  const bool was_alive = to.light_slots_[index].alive, is_alive = from.light_slots_[index].alive;
-  if (was_alive && !is_alive) to.free_lights_.push_back(index);
-  if (!was_alive && is_alive) std::erase(to.free_lights_, index);
-  to.lights_[index] = from.lights_[index];
-  to.light_slots_[index] = from.light_slots_[index];
-  to.revision_ = std::max(to.revision_, to.light_slots_[index].revision);
 }
 
 }  // namespace shadowcut
