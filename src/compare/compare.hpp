@@ -1,9 +1,9 @@
 // The published algorithms beside the engine, on the same scenes and behind one call.
 //
 //   brute, tiling, ordered   M. Slater, "A comparison of three shadow volume algorithms", The
-//                            Visual Computer 9(1), 1992: two passes. A scene BSP orders the polygons
-//                            front to back from the light; then each polygon is cut by the shadows
-//                            of the polygons before it
+//                            Visual Computer 9(1), 1992: two passes. A scene BSP orders the
+//                            polygons front to back from the light; then each polygon is cut by
+//                            the shadows of the polygons before it
 //   unordered                the engine (CS95), on the scene's own faces or on the polygons of the
 //                            scene BSP
 //

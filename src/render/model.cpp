@@ -65,7 +65,8 @@ void main() {
   vec3 to_light = light.w > 0.5 ? light.xyz - x : -light.xyz;
   float facing = dot(normal, to_light);
   bool seen = facing * dot(normal, eye - x) > 0.0 && (paint.a < 0.5 || facing > 0.0);
-  bool within = length(to_light) <= range && (axis.w < -1.5 || dot(axis.xyz, -normalize(to_light)) >= axis.w);
+  bool within = length(to_light) <= range &&
+      (axis.w < -1.5 || dot(axis.xyz, -normalize(to_light)) >= axis.w);
   // and leaves the pixel to the face beside it, where each may draw once
   if (!seen || !within) discard;
   float slant = abs(facing) / length(to_light);

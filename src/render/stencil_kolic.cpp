@@ -31,7 +31,8 @@ uniform vec4 light;
 invariant gl_Position;
 void main() {
   vec4 position = vec4(bent(corner.xyz), 1.0);
-  if (corner.w > 0.5) position = light.w > 0.5 ? vec4(position.xyz - light.xyz, 0.0) : vec4(light.xyz, 0.0);
+  if (corner.w > 0.5)
+    position = light.w > 0.5 ? vec4(position.xyz - light.xyz, 0.0) : vec4(light.xyz, 0.0);
   gl_Position = clip * position;
 }
 )";

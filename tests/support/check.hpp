@@ -14,8 +14,8 @@ namespace shadowcut::testing {
 // Lit areas agree to this share of a face's area.
 inline constexpr double kAreaTolerance = 1e-9;
 
-// What a fast kernel may leave open, by face: Engine::uncertain_area. Where it is given, contact within
-// the oracle's tolerance may also be seen as what it exactly is.
+// The area that the fast kernel may leave open, by face (Engine::uncertain_area). Where it is
+// given, contact within the oracle's tolerance may also be seen as what it exactly is.
 using UncertainArea = std::vector<double>;
 
 // What an engine made for the scene as it stands, with this light alone, has for it.

@@ -37,7 +37,7 @@ class FragmentStore {
   void emit_all(std::uint32_t update, const std::function<void(double)>& report);
   const std::vector<FaceArea>& emitted_areas() const { return emitted_areas_; }
 
-  // Edits of the cells, for an incremental store. The first call of an update for a cell is begin().
+  // Edits of the cells, for an incremental store. For each cell an update calls begin() first.
   // Different cells may be edited by different threads.
   void begin(CellId cell, std::uint32_t update) {
     if (incremental_) cells_[cell.value()].begin(blocks_[cell.value()], update);

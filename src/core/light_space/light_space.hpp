@@ -34,7 +34,8 @@ namespace shadowcut {
 struct Line {
   double n[3];
   float error;
-  std::uint32_t a = invalid_index, b = invalid_index;  // of an edge: its vertices, whose rays are on it
+  // Of an edge: its vertices, whose rays are on the line.
+  std::uint32_t a = invalid_index, b = invalid_index;
 };
 
 // The vertex in whose ray the lines of two edges meet; none if the edges share no vertex.

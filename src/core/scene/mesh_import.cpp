@@ -18,6 +18,22 @@
 namespace shadowcut {
 namespace {
 
+// Disjoint sets of faces.
+class UnionFind {
+ public:
+  explicit UnionFind(std::size_t size) : parent_(size) {
+    std::iota(parent_.begin(), parent_.end(), 0u);
+  }
+  std::uint32_t root(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) { parent_[root(a)] = root(b); }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
 class MeshImporter : private ImportedMesh {
  public:
   MeshImporter(const Mesh& mesh, const Pose& pose, const Tolerances& tolerances)
@@ -189,64 +205,71 @@ class MeshImporter : private ImportedMesh {
     return sixfold;
   }
 
+  // The closed parts of a mesh bound a solid if each has a positive volume.
   void decide_sides() {
     std::vector<std::uint32_t> forward(edges.size(), invalid_index),
         backward(edges.size(), invalid_index);
-    std::vector<std::uint32_t> part(faces.size());
-    std::iota(part.begin(), part.end(), 0u);
-    const auto find = [&](std::uint32_t i) {
-      while (part[i] != i) i = part[i] = part[part[i]];
-      return i;
-    };
-    bool any = false;
-    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+    const bool each_side_once = note_faces_of_edges(forward, backward);
+    bool shared_by_two = true;
+    UnionFind parts(faces.size());
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      if ((forward[e] == invalid_index) != (backward[e] == invalid_index)) shared_by_two = false;
+      if (forward[e] != invalid_index && backward[e] != invalid_index)
+        parts.join(forward[e], backward[e]);
+    }
+    const bool any = std::any_of(outline_face_.begin(), outline_face_.end(),
+                                 [](std::uint32_t begin) { return begin != invalid_index; });
+    const bool outward = measure_volumes(parts);
+    closed = any && each_side_once && shared_by_two && outward;
+  }
+
+  // By edge: the face whose outline runs along it, and the face whose outline runs against it.
+  // False: two outlines run along an edge in one direction.
+  bool note_faces_of_edges(std::vector<std::uint32_t>& forward,
+                           std::vector<std::uint32_t>& backward) const {
+    bool each_side_once = true;
+    for (std::uint32_t f = 0, next = 0; f < faces.size(); f = next) {
+      do ++next;
+      while (next < faces.size() && outline_face_[next] == invalid_index);
       if (outline_face_[f] == invalid_index) continue;
-      any = true;
-      std::size_t end = outline_.size();
-      for (std::uint32_t g = f + 1; g < faces.size(); ++g) {
-        if (outline_face_[g] != invalid_index) {
-          end = outline_face_[g];
-          break;
-        }
-      }
+      const std::size_t end = next < faces.size() ? outline_face_[next] : outline_.size();
       for (std::size_t i = outline_face_[f]; i < end; ++i) {
         auto& side = (outline_[i] & 1 ? backward : forward)[outline_[i] >> 1];
-        if (side != invalid_index) closed = false;
+        if (side != invalid_index) each_side_once = false;
         side = f;
       }
     }
-    for (std::size_t e = 0; e < edges.size(); ++e) {
-      if ((forward[e] == invalid_index) != (backward[e] == invalid_index)) closed = false;
-      if (forward[e] != invalid_index && backward[e] != invalid_index)
-        part[find(forward[e])] = find(backward[e]);
-    }
-    // Every part's volume, seen from a corner of its own and in units of its own size: parts far
-    // apart or of very different size do not disturb each other.
+    return each_side_once;
+  }
+
+  // The volume of every part, seen from a corner of its own and in units of its own size: parts far
+  // apart or of very different size do not disturb each other. False: a part has none, or is
+  // inside out.
+  bool measure_volumes(UnionFind& parts) {
     std::vector<Eigen::AlignedBox3d> box(faces.size());
-    const auto corner_of = [&](const Face& face, std::uint32_t i) -> const Vec3& {
-      return vertices[corners[facets[face.first_facet].first_corner + i].vertex];
-    };
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
       for (std::uint32_t k = 0; k < faces[f].facet_count; ++k) {
         const Facet& facet = facets[faces[f].first_facet + k];
         for (std::uint32_t i = 0; i < facet.corner_count; ++i)
-          box[find(f)].extend(vertices[corners[facet.first_corner + i].vertex]);
+          box[parts.root(f)].extend(vertices[corners[facet.first_corner + i].vertex]);
       }
     }
     std::vector<double> sixfold(faces.size(), 0.0);
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
-      const std::uint32_t root = find(f);
-      if (outline_face_[f] != invalid_index)
-        sixfold[root] +=
-            sixfold_cone(faces[f], corner_of(faces[root], 0), box[root].sizes().maxCoeff());
+      if (outline_face_[f] == invalid_index) continue;
+      const std::uint32_t root = parts.root(f);
+      const Facet& first = facets[faces[root].first_facet];
+      const Vec3& from = vertices[corners[first.first_corner].vertex];
+      sixfold[root] += sixfold_cone(faces[f], from, box[root].sizes().maxCoeff());
     }
+    bool outward = true;
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
-      if (outline_face_[f] == invalid_index || find(f) != f) continue;
+      if (outline_face_[f] == invalid_index || parts.root(f) != f) continue;
       const double size = box[f].sizes().maxCoeff();
       signed_volume += sixfold[f] / 6 * size * size * size;
-      if (!(sixfold[f] > 0)) closed = false;
+      if (!(sixfold[f] > 0)) outward = false;
     }
-    closed = closed && any;
+    return outward;
   }
 
   // Which faces were meant to lie in one plane is asked of the mesh as it was given, so that no

@@ -1,6 +1,6 @@
 // The balanced prefix above the SVBSP trees: a k-d tree of plain dividing planes through the light,
-// by median splits of the facets' ray directions. Its cells are SVBSP trees of their own, each built
-// by one thread.
+// by median splits of the facets' ray directions. Each cell is an SVBSP tree of its own, built by
+// one thread.
 #pragma once
 
 #include <cstdint>

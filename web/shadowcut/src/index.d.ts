@@ -33,7 +33,10 @@ export interface LoadOptions {
   /** In bytes, at least 16 MiB; otherwise 4 GiB. */
   maximumMemory?: number;
 }
-/** The engine in a new module with a memory of its own: objects of one module cannot be used with another. */
+/**
+ * The engine in a new module with a memory of its own: objects of one module cannot be used with
+ * another.
+ */
 export function load(options?: LoadOptions): Promise<Shadowcut>;
 
 export interface Shadowcut {
@@ -56,7 +59,10 @@ export interface Shadowcut {
 }
 
 export interface Disposable {
-  /** Frees the memory. Calling it again has no effect, nor has calling it on objects that belong to an engine. */
+  /**
+   * Frees the memory. Calling it again has no effect, nor has calling it on objects that belong to
+   * an engine.
+   */
   dispose(): void;
   readonly disposed: boolean;
 }
@@ -69,10 +75,16 @@ export type Vec3 = [number, number, number];
 export interface Mesh {
   /** In the frame of the object: floats if it is a Float32Array, otherwise doubles. */
   positions: Numbers;
-  /** The corners of faces without holes, one after another: triangles, or cornerCounts gives the number of corners of each. */
+  /**
+   * The corners of faces without holes, one after another: triangles, or cornerCounts gives the
+   * number of corners of each.
+   */
   indices?: Numbers;
   cornerCounts?: number[] | Int32Array;
-  /** More faces, after those of `indices`: an outer loop, or [outer loop, hole, ...], counter-clockwise seen from the front. */
+  /**
+   * More faces, after those of `indices`: an outer loop, or [outer loop, hole, ...],
+   * counter-clockwise seen from the front.
+   */
   faces?: (number[] | number[][])[];
 }
 export interface ObjectId {
@@ -176,7 +188,9 @@ export interface Issue {
 }
 
 export interface Scene extends Disposable {
-  /** Faces that are not usable (for example with NaN positions) are left out and reported as issues. */
+  /**
+   * Faces that are not usable (for example with NaN positions) are left out and reported as issues.
+   */
   add(mesh: Mesh, settings?: ObjectSettings): ObjectId;
   remove(id: ObjectId): void;
   setPose(id: ObjectId, pose: Numbers): void;
@@ -305,7 +319,10 @@ export interface Stats {
   joined: number;
   deferred: number;
 }
-/** The shadows of one light. Those of an engine follow its updates, and throw NOT_FOUND while the light does not exist. */
+/**
+ * The shadows of one light. Those of an engine follow its updates, and throw NOT_FOUND while the
+ * light does not exist.
+ */
 export interface Shadows extends Disposable {
   readonly blockCount: number;
   fragmentCount(block: number): number;
@@ -342,7 +359,10 @@ export interface Changes {
   lights: LightChanges[];
 }
 export interface Engine extends Disposable {
-  /** Applies all edits since the last update; the first update builds. OUT_OF_MEMORY: see mustCompact. */
+  /**
+   * Applies all edits since the last update; the first update builds. OUT_OF_MEMORY: see
+   * mustCompact.
+   */
   update(): Changes;
   /** The same, but stops between two objects when the time, in milliseconds, is over. */
   updateWithin(ms: number): Changes;
@@ -350,7 +370,10 @@ export interface Engine extends Disposable {
   compact(): Changes;
   /** The changes of the last update or compact. */
   readonly changes: Changes;
-  /** An update ran out of memory: everything but compact() and dispose() throws MUST_COMPACT until compact() has succeeded. */
+  /**
+   * An update ran out of memory: everything but compact() and dispose() throws MUST_COMPACT until
+   * compact() has succeeded.
+   */
   readonly mustCompact: boolean;
   readonly progress: number;
   /** The engine's copy of the scene, to which all indices refer. Read only. */
@@ -360,7 +383,10 @@ export interface Engine extends Disposable {
   find(light: number, id: FragmentId): Fragment | undefined;
   /** For each face an upper bound on the area whose state, lit or shadowed, may be wrong. */
   uncertainArea(light: number): Float64Array;
-  /** Whether a light reaches a point of a face (index into the faces of `scene`). The point is taken as on the face's plane. */
+  /**
+   * Whether a light reaches a point of a face (index into the faces of `scene`). The point is taken
+   * as on the face's plane.
+   */
   isLit(light: number, face: number, point: Numbers): boolean;
   /** One partition for all lights, or the part of it on these faces. */
   overlay(faces?: Numbers): LightPartition;
@@ -404,7 +430,10 @@ export interface BuffersInfo {
   fragmentCount: number;
   holeVertices: number;
   maskWords: number;
-  /** A capacity or maskWords changed: create arrays and buffers of the new capacity. The ranges cover everything. */
+  /**
+   * A capacity or maskWords changed: create arrays and buffers of the new capacity. The ranges
+   * cover everything.
+   */
   grown: boolean;
   changedVertexRanges: number;
   changedIndexRanges: number;
@@ -419,15 +448,19 @@ export interface Streams {
   indices: Uint32Array;
 }
 export interface Buffers extends Disposable {
-  /** To be called after every update of the engine. Refills the buffers after a skipped update, or for another engine. */
+  /**
+   * To be called after every update of the engine. Refills the buffers after a skipped update, or
+   * for another engine.
+   */
   update(engine: Engine): void;
   fill(scene: Scene, shadows: Shadows | LightPartition): void;
   /** The next update refills the buffers. */
   setOrigin(origin: Numbers): void;
   readonly info: BuffersInfo;
   /**
-   * A view of the module's memory, as long as the capacity. It is invalid after the next change of the buffers, and when the memory
-   * has grown (its length is 0 then), which any call may cause: use it at once, and do not keep it.
+   * A view of the module's memory, as long as the capacity. It is invalid after the next change of
+   * the buffers, and when the memory has grown (its length is 0 then), which any call may cause:
+   * use it at once, and do not keep it.
    */
   stream<Name extends keyof Streams>(name: Name): Streams[Name];
   /** The number of elements for each vertex, or index. */
@@ -438,9 +471,15 @@ export interface Buffers extends Disposable {
   /** The same as first, count, first, count, ...: without an object for each range. */
   readonly changedVertexNumbers: Uint32Array;
   readonly changedIndexNumbers: Uint32Array;
-  /** The same in elements of a stream: the arguments of three.js' BufferAttribute.addUpdateRange(start, count). */
+  /**
+   * The same in elements of a stream: the arguments of three.js'
+   * BufferAttribute.addUpdateRange(start, count).
+   */
   changedRanges(name: keyof Streams): { start: number; count: number }[];
-  /** Copies these ranges to an array outside the module, at least as long as the stream, and returns them. */
+  /**
+   * Copies these ranges to an array outside the module, at least as long as the stream, and returns
+   * them.
+   */
   copyChanged(
     name: keyof Streams,
     target: Streams[keyof Streams],

@@ -5,19 +5,37 @@ import type { Engine, Scene, Shadowcut } from 'shadowcut';
 export interface SceneShadowsOptions {
   kernel?: 'fast' | 'exact';
   form?: 'pieces' | 'merged' | 'conforming';
-  /** As Options.tuning of the engine; otherwise 32, with which the slowest updates take about half as long as with the engine's own (128). */
+  /**
+   * As Options.tuning of the engine; otherwise 32, with which the slowest updates take about half
+   * as long as with the engine's own (128).
+   */
   facetsPerCell?: number;
   /** Whether the mesh casts shadows; otherwise mesh.castShadow. */
   castsShadows?: (mesh: Mesh) => boolean;
-  /** Whether the mesh receives shadows: it is cut, and drawn by SceneShadows.mesh. Otherwise mesh.receiveShadow. */
+  /**
+   * Whether the mesh receives shadows: it is cut, and drawn by SceneShadows.mesh. Otherwise
+   * mesh.receiveShadow.
+   */
   receivesShadows?: (mesh: Mesh) => boolean;
-  /** Whether the mesh is expected to move, which is cheaper then. Asked when the mesh is first seen. Otherwise false. */
+  /**
+   * Whether the mesh is expected to move, which is cheaper then. Asked when the mesh is first seen.
+   * Otherwise false.
+   */
   dynamic?: (mesh: Mesh) => boolean;
-  /** Has shadows: of point, spot and directional lights; otherwise all. Others light as if nothing stood before them. */
+  /**
+   * Has shadows: of point, spot and directional lights; otherwise all. Others light as if nothing
+   * stood before them.
+   */
   follows?: (light: Light) => boolean;
-  /** Where received meshes go while SceneShadows.mesh draws them: cameras do not see it, raycasters may enable it. Otherwise 31. */
+  /**
+   * Where received meshes go while SceneShadows.mesh draws them: cameras do not see it, raycasters
+   * may enable it. Otherwise 31.
+   */
   layer?: number;
-  /** Triangles are joined to the polygons they were cut from. Where not, the engine has three.js' triangles, as a program that reads the same file has. */
+  /**
+   * Triangles are joined to the polygons they were cut from. Where not, the engine has three.js'
+   * triangles, as a program that reads the same file has.
+   */
   joins?: boolean;
 }
 
@@ -45,18 +63,26 @@ export class SceneShadows {
   /** Adds `mesh` to the scene, and does nothing else before the first update. */
   constructor(shadowcut: Shadowcut, scene: Object3D, options?: SceneShadowsOptions);
   /**
-   * Before every render: looks at what has changed in the scene, and brings engine and mesh up to date. Throws ShadowcutError OUT_OF_MEMORY
-   * or MUST_COMPACT: see mustCompact.
+   * Before every render: looks at what has changed in the scene, and brings engine and mesh up to
+   * date. Throws ShadowcutError OUT_OF_MEMORY or MUST_COMPACT: see mustCompact.
    */
   update(): SceneUpdate;
-  /** Everything anew: after out of memory, when something has been removed; or after large changes. */
+  /**
+   * Everything anew: after out of memory, when something has been removed; or after large changes.
+   */
   compact(): SceneUpdate;
   readonly mustCompact: boolean;
-  /** Takes a skinned or morphed mesh's present pose, from the next update on. It was taken when the mesh was met, too. */
+  /**
+   * Takes a skinned or morphed mesh's present pose, from the next update on. It was taken when the
+   * mesh was met, too.
+   */
   bake(mesh: Mesh): void;
 
-  /** All that is received, in one geometry: groups by material, attributes position, normal, shadowcutMask, and what any mesh has of uv,
-   *  uv1, color, tangent. Bit k % 24 of shadowcutMask's number k / 24: the light of that index reaches (of one light only, bit 0). */
+  /**
+   * All that is received, in one geometry: groups by material, attributes position, normal,
+   * shadowcutMask, and what any mesh has of uv, uv1, color, tangent. Bit k % 24 of shadowcutMask's
+   * number k / 24: the light of that index reaches (of one light only, bit 0).
+   */
   readonly mesh: Mesh;
   /** Draws the outlines of fragments. From the next update on. */
   outlines: boolean;
