@@ -19,8 +19,8 @@ import subprocess
 import tempfile
 
 # Folders of src/core, each of which may include those before it.
-ORDER = ["support", "numbers", "scene", "light_space", "predicates", "cones", "svbsp", "fragments",
-         "engine"]
+ORDER = ["support", "numbers", "scene", "light_space", "predicates", "clipping", "facets",
+         "svbsp", "fragments", "engine"]
 LONG_FUNCTION = 40
 LONG_LINE = 100
 CODE = {".cpp", ".hpp", ".h", ".c", ".js", ".mjs", ".ts", ".py"}

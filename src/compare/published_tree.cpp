@@ -60,7 +60,7 @@ void PublishedTree::Impl::enter(std::uint32_t id, bool light_inside) {
     // once for edges in one line
     if (s.lines.empty() || (s.lines.back() - n).norm() > epsilon) s.lines.push_back(n);
   }
-  const PlaneRay q = space.plane(plane);
+  const PlaneCovector q = space.plane(plane);
   s.q = Vec3(q.q[0], q.q[1], q.q[2]);
   s.q_size = s.q.norm();
   s.face = facet.face;

@@ -71,7 +71,7 @@ class LightStage {
   std::vector<Eigen::Vector2d> corners(const Cone& cone) const {
     std::vector<Eigen::Vector2d> out;
     for (const ConeCorner& c : cone.span()) {
-      const Vec3 x = space_.back(c.r, tables_.plane_ray(cone.facet).q);
+      const Vec3 x = space_.back(c.r, tables_.covector_of(cone.facet).q);
       out.emplace_back(x.x(), x.y());
     }
     std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) {

@@ -1,10 +1,10 @@
 // Classifying, clipping and merging convex cones. The light is straight above: a drawing shows the
 // face from above.
-#include "cones/clip.hpp"
+#include "clipping/clip.hpp"
 
 #include <gtest/gtest.h>
 
-#include "cones/merge_convex.hpp"
+#include "clipping/merge_convex.hpp"
 #include "light_stage.hpp"
 
 namespace shadowcut {

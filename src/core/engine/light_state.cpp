@@ -112,7 +112,7 @@ void LightState::sum_up() {
   for (std::size_t c = 0; c < grid_.size(); ++c)
     s.depth = std::max(s.depth, grid_.kd_tree().depth_of(CellId(c)) + grid_[CellId(c)].depth());
   s.bytes += tables_.lines.size() * sizeof(Line) + tables_.rays.size() * sizeof(VertexRay) +
-             tables_.planes.size() * sizeof(PlaneRay);
+             tables_.planes.size() * sizeof(PlaneCovector);
 }
 
 std::vector<double> LightState::error_bound() const {

@@ -107,7 +107,7 @@ void FragmentBuffers::Impl::refill(const Engine& engine) {
 
 void FragmentBuffers::Impl::clear() {
   refilled_ = true;
-  places_.clear(), places_of_face_.clear(), holes_.clear(), touched_.clear();
+  slots_.clear(), slots_of_face_.clear(), holes_.clear(), touched_.clear();
   vertex_count_ = index_count_ = fragment_count_ = hole_vertices_ = 0;
   if (light_ != all_lights) set_mask_words(std::size_t{light_} + 1);
 }
@@ -115,10 +115,10 @@ void FragmentBuffers::Impl::clear() {
 void FragmentBuffers::Impl::apply(const Engine& engine, const LightChanges& change) {
   if (change.removed || change.rebuilt) return refill(engine);
   for (const FragmentId& id : change.gone) {
-    const auto found = places_.find(id);
-    if (found == places_.end()) continue;  // not shown
+    const auto found = slots_.find(id);
+    if (found == slots_.end()) continue;  // not shown
     remove(found->second);
-    places_.erase(found);
+    slots_.erase(found);
   }
   const Shadows& shadows = engine.shadows(light_);
   for (const LightChanges::Added& a : change.added) {
@@ -141,9 +141,9 @@ bool FragmentBuffers::Impl::apply_to_faces(const Engine& engine, const Changes& 
   if (faces.empty()) return true;
   sort_unique(faces);
   for (const std::uint32_t f : faces) {
-    if (f >= places_of_face_.size()) break;
-    for (const Place& place : places_of_face_[f]) remove(place);
-    places_of_face_[f].clear();
+    if (f >= slots_of_face_.size()) break;
+    for (const Slot& slot : slots_of_face_[f]) remove(slot);
+    slots_of_face_[f].clear();
   }
   add_partition(engine.scene(), engine.overlay(faces));
   return true;
@@ -157,13 +157,13 @@ void FragmentBuffers::Impl::add_fragment(const Scene& scene, const FragmentView&
   if (!shows(fragment->lit)) return;
   mask_.assign(mask_words_, 0);
   if (fragment->lit && mask_words_ > 0) mask_[light_ / 32] = std::uint32_t{1} << (light_ % 32);
-  const Place place =
+  const Slot slot =
       add(scene, {fragment->face, fragment->facet, fragment->lit, mask_}, fragment.corners());
-  places_.insert_or_assign(fragment->id, place);
+  slots_.insert_or_assign(fragment->id, slot);
 }
 
 void FragmentBuffers::Impl::add_partition(const Scene& scene, const LightPartition& partition) {
-  places_of_face_.resize(std::max(places_of_face_.size(), scene.faces().size()));
+  slots_of_face_.resize(std::max(slots_of_face_.size(), scene.faces().size()));
   for (std::size_t i = 0; i < partition.fragments.size(); ++i) {
     const LightPartition::Fragment& fragment = partition.fragments[i];
     mask_.clear();
@@ -175,61 +175,61 @@ void FragmentBuffers::Impl::add_partition(const Scene& scene, const LightPartiti
     const bool lit =
         std::any_of(mask_.begin(), mask_.end(), [](std::uint32_t word) { return word != 0; });
     if (!shows(lit)) continue;
-    places_of_face_[fragment.face].push_back(
+    slots_of_face_[fragment.face].push_back(
         add(scene, {fragment.face, fragment.facet, lit, mask_}, partition.corners_of(fragment)));
   }
 }
 
-FragmentBuffers::Impl::Place FragmentBuffers::Impl::add(const Scene& scene, const Source& source,
-                                                        std::span<const Vec3> corners) {
+FragmentBuffers::Impl::Slot FragmentBuffers::Impl::add(const Scene& scene, const Source& source,
+                                                       std::span<const Vec3> corners) {
   const Vec3& normal = scene.planes()[scene.facets()[source.facet].plane].normal;
   const std::uint32_t object = scene.faces()[source.face].object;
   corners_.assign(corners.begin(), corners.end());
   turn_to_front(corners_, normal);
   const auto count = static_cast<std::uint32_t>(corners_.size());
-  const Place place = take_place(count);
-  std::uint32_t vertex = place.first_vertex, index = place.first_index;
+  const Slot slot = take_slot(count);
+  std::uint32_t vertex = slot.first_vertex, index = slot.first_index;
   write_source(vertex, vertices_of(count), source, object, normal);
   if (layout_.indexed) {
     for (const Vec3& x : corners_) write_position(vertex++, x);
     for (std::uint32_t i = 2; i < count; ++i)
-      for (const std::uint32_t k : {0u, i - 1, i}) indices_[index++] = place.first_vertex + k;
+      for (const std::uint32_t k : {0u, i - 1, i}) indices_[index++] = slot.first_vertex + k;
   } else {
     for (std::uint32_t i = 2; i < count; ++i)
       for (const std::uint32_t k : {0u, i - 1, i}) write_position(vertex++, corners_[k]);
   }
   ++fragment_count_;
-  return place;
+  return slot;
 }
 
-void FragmentBuffers::Impl::remove(const Place& place) {
-  const std::uint32_t vertices = vertices_of(place.corners), indices = indices_of(place.corners);
-  write_source(place.first_vertex, vertices, {invalid_index, invalid_index, false, {}},
+void FragmentBuffers::Impl::remove(const Slot& slot) {
+  const std::uint32_t vertices = vertices_of(slot.corners), indices = indices_of(slot.corners);
+  write_source(slot.first_vertex, vertices, {invalid_index, invalid_index, false, {}},
                invalid_index, Vec3::Zero());
-  for (std::uint32_t v = place.first_vertex; v < place.first_vertex + vertices; ++v)
+  for (std::uint32_t v = slot.first_vertex; v < slot.first_vertex + vertices; ++v)
     write_position(v, layout_.origin);
-  std::fill_n(indices_.begin() + place.first_index, indices, place.first_vertex);
-  if (place.corners >= holes_.size()) holes_.resize(place.corners + 1);
-  holes_[place.corners].push_back({place, updates_});
+  std::fill_n(indices_.begin() + slot.first_index, indices, slot.first_vertex);
+  if (slot.corners >= holes_.size()) holes_.resize(slot.corners + 1);
+  holes_[slot.corners].push_back({slot, updates_});
   hole_vertices_ += vertices;
   --fragment_count_;
-  if (!refilled_) touched_.push_back(place);
+  if (!refilled_) touched_.push_back(slot);
 }
 
-FragmentBuffers::Impl::Place FragmentBuffers::Impl::take_place(std::uint32_t corners) {
+FragmentBuffers::Impl::Slot FragmentBuffers::Impl::take_slot(std::uint32_t corners) {
   const std::uint32_t vertices = vertices_of(corners), indices = indices_of(corners);
   if (corners < holes_.size() && !holes_[corners].empty()) {
     const Hole hole = holes_[corners].back();
     holes_[corners].pop_back();
     hole_vertices_ -= vertices;
-    if (!refilled_ && hole.made != updates_) touched_.push_back(hole.place);
-    return hole.place;
+    if (!refilled_ && hole.made != updates_) touched_.push_back(hole.slot);
+    return hole.slot;
   }
-  const Place place{vertex_count_, index_count_, corners};
+  const Slot slot{vertex_count_, index_count_, corners};
   reserve(std::uint64_t{vertex_count_} + vertices, std::uint64_t{index_count_} + indices);
   vertex_count_ += vertices, index_count_ += indices;
-  if (!refilled_) touched_.push_back(place);
-  return place;
+  if (!refilled_) touched_.push_back(slot);
+  return slot;
 }
 
 void FragmentBuffers::Impl::reserve(std::uint64_t vertices, std::uint64_t indices) {
@@ -301,7 +301,7 @@ void FragmentBuffers::Impl::list_changes() {
     return;
   }
   std::sort(touched_.begin(), touched_.end(),
-            [](const Place& a, const Place& b) { return a.first_vertex < b.first_vertex; });
+            [](const Slot& a, const Slot& b) { return a.first_vertex < b.first_vertex; });
   const auto cover = [this](std::vector<Range>& ranges, std::uint32_t first, std::uint32_t count) {
     if (count == 0) return;
     if (!ranges.empty() &&
@@ -311,9 +311,9 @@ void FragmentBuffers::Impl::list_changes() {
       ranges.push_back({first, count});
     }
   };
-  for (const Place& place : touched_) {
-    cover(changed_vertices_, place.first_vertex, vertices_of(place.corners));
-    cover(changed_indices_, place.first_index, indices_of(place.corners));
+  for (const Slot& slot : touched_) {
+    cover(changed_vertices_, slot.first_vertex, vertices_of(slot.corners));
+    cover(changed_indices_, slot.first_index, indices_of(slot.corners));
   }
 }
 

@@ -1,4 +1,4 @@
-// The state of FragmentBuffers: the places of fragments in the vertex and index arrays.
+// The state of FragmentBuffers: the slots of fragments in the vertex and index arrays.
 #pragma once
 
 #include <tsl/robin_map.h>
@@ -17,11 +17,11 @@ struct FragmentIdHash {
 };
 
 struct FragmentBuffers::Impl {
-  struct Place {  // of a fragment
+  struct Slot {  // of a fragment
     std::uint32_t first_vertex, first_index, corners;
   };
   struct Hole {
-    Place place;
+    Slot slot;
     std::uint64_t made;  // in which update
   };
   struct Source {  // what all vertices of a fragment have in common
@@ -55,9 +55,9 @@ struct FragmentBuffers::Impl {
   void add_shadows(const Scene& scene, const Shadows& shadows);
   void add_fragment(const Scene& scene, const FragmentView& fragment);
   void add_partition(const Scene& scene, const LightPartition& partition);
-  Place add(const Scene& scene, const Source& source, std::span<const Vec3> corners);
-  void remove(const Place& place);
-  Place take_place(std::uint32_t corners);
+  Slot add(const Scene& scene, const Source& source, std::span<const Vec3> corners);
+  void remove(const Slot& slot);
+  Slot take_slot(std::uint32_t corners);
   void reserve(std::uint64_t vertices, std::uint64_t indices);
   void set_mask_words(std::size_t lights);
   void write_position(std::size_t vertex, const Vec3& position);
@@ -75,10 +75,10 @@ struct FragmentBuffers::Impl {
   std::vector<std::uint32_t> faces_, objects_, masks_, indices_;
   std::vector<std::uint8_t> states_;
 
-  tsl::robin_map<FragmentId, Place, FragmentIdHash> places_;  // of one light
-  std::vector<std::vector<Place>> places_of_face_;            // of all lights
-  std::vector<std::vector<Hole>> holes_;                      // by their number of corners
-  std::vector<Place> touched_;                                // since the update began
+  tsl::robin_map<FragmentId, Slot, FragmentIdHash> slots_;  // of one light
+  std::vector<std::vector<Slot>> slots_of_face_;            // of all lights
+  std::vector<std::vector<Hole>> holes_;                    // by their number of corners
+  std::vector<Slot> touched_;                               // since the update began
   std::uint64_t updates_ = 0;
   bool refilled_ = false, grown_ = false;
   std::vector<Range> changed_vertices_, changed_indices_;

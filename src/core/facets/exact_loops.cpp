@@ -32,7 +32,7 @@ void drop_null_edges(Cone& cone, const CellPredicates& l, const ExactPredicates&
 }
 
 struct Turns {
-  bool any = false;            // the loop has an area
+  bool any = false;                     // the loop has an area
   std::uint32_t wrong = invalid_index;  // the edge behind which it turns outward
 };
 

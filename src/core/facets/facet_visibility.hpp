@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "cones/clip.hpp"
+#include "clipping/clip.hpp"
 #include "support/parallel.hpp"
 
 namespace shadowcut {
@@ -45,7 +45,7 @@ class FacetVisibility {
   bool blocks_only(FacetId f) const { return blocks_only_[f.value()]; }
   // Exact kernel: seen so nearly edge-on that the corners say little about the facet's region.
   bool grazed(FacetId f) const { return grazed_[f.value()]; }
-  bool front_lit(FacetId f) const { return orientation(f) == Orientation::toward; }
+  bool front_faces_light(FacetId f) const { return orientation(f) == Orientation::toward; }
   // The facet's loop runs counter-clockwise in light space when followed forward.
   bool forward(FacetId f) const;
   // Never entered, and is shadowed whole.

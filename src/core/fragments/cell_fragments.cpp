@@ -250,7 +250,7 @@ void CellFragments::add(const SvbspTree& tree, PieceId piece, std::uint32_t plac
     return;
   }
   if (context.constructions) note_constructions(context, tree.predicates(), cone, first, *block_);
-  const FragmentId id{cell_.value(), piece.value(), place};
+  const FragmentId id = fragment_id(cell_, piece, place);
   block_->fragments.push_back(
       {id, face, facet.value(), state.caster(), first, count, state.is_lit(), area});
   records_.push_back(

@@ -70,19 +70,21 @@ class CellErrorBound {
     }
     // A facet in one plane with a PP-node's owner is uncertain where the owner is.
     for (const Piece& piece : tree_.pieces.pieces()) {
-      if (piece.kind != Piece::Kind::coplanar || charged_to_owner_[piece.at] == 0 ||
+      if (piece.kind != Piece::Kind::coplanar || charged_to_owner_[piece.node_or_leaf] == 0 ||
           !is_in_plane_of_owner(piece))
         continue;
       Cone* cone = whole(piece);
       charge(cone->facet,
-             std::min(seen_on(*cone, cone->facet).area, 2 * charged_to_owner_[piece.at]));
+             std::min(seen_on(*cone, cone->facet).area, 2 * charged_to_owner_[piece.node_or_leaf]));
       w_.pool.give_back(cone);
     }
   }
 
  private:
   Cone* whole(const Piece& piece) { return tree_.cone_of(piece, w_.pool); }
-  const PlaneRay& plane_ray(FacetId facet) const { return context_.tables.plane_ray(facet); }
+  const PlaneCovector& covector_of(FacetId facet) const {
+    return context_.tables.covector_of(facet);
+  }
   std::uint32_t plane_index(FacetId facet) const { return context_.tables.plane_index(facet); }
   const Plane& plane_of(FacetId facet) const { return context_.tables.plane_of(facet); }
 
@@ -98,7 +100,7 @@ class CellErrorBound {
   // A cone on the plane of a facet, which need not be the cone's own.
   Polygon seen_on(const Cone& cone, FacetId facet) const {
     const Plane& plane = plane_of(facet);
-    const PlaneRay& ray = plane_ray(facet);
+    const PlaneCovector& ray = covector_of(facet);
     const bool by_corners = facet == cone.facet && area_from_corners(context_, facet);
     const auto is_vertex = [by_corners](const ConeCorner& c) {
       return c.vertex != invalid_index && by_corners;
@@ -154,7 +156,7 @@ class CellErrorBound {
   };
   Shares shares_against(const Cone& cone, FacetId facet, double side) const {
     if (plane_index(facet) == plane_index(cone.facet)) return {0, 0};
-    const PlaneRay &own = plane_ray(cone.facet), &other = plane_ray(facet);
+    const PlaneCovector &own = covector_of(cone.facet), &other = covector_of(facet);
     const PlaneDifference nearer(own, other.q, other.error);
     const double bound = nearer.bound(cone);
     return {share_below(cone, nearer.d, bound, side, own.q),
@@ -170,7 +172,7 @@ class CellErrorBound {
 
   // A cone in a place: held against all nodes above it, up to the root, except one. Takes the cone.
   void look_above(Cone* cone, Place place, NodeId except = NodeId()) {
-    const PlaneRay& own = plane_ray(cone->facet);
+    const PlaneCovector& own = covector_of(cone->facet);
     double share = 0;
     for (; !place.is_root(); place = tree_.links(place.node()).parent) {
       const NodeId node = place.node();

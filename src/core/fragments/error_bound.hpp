@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "fragments/overlay.hpp"
+#include "fragments/light_view.hpp"
 
 namespace shadowcut {
 

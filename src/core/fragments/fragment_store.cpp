@@ -66,9 +66,14 @@ Fragment FragmentStore::emit_away(FacetId id, std::uint32_t first_corner, Block&
     if (context_.constructions) block.constructions[at] = {{}, {}, c.vertex};
     ++at;
   }
-  const FragmentId fragment{static_cast<std::uint32_t>(grid_.size()), id.value(), invalid_index};
-  return {fragment,     facet.face,         id.value(), invalid_index,
-          first_corner, facet.corner_count, false,      area_of_facet(context_, id, false)};
+  return {away_fragment_id(grid_.size(), id),
+          facet.face,
+          id.value(),
+          invalid_index,
+          first_corner,
+          facet.corner_count,
+          false,
+          area_of_facet(context_, id, false)};
 }
 
 void FragmentStore::emit_all_away(CellOutput& out) const {

@@ -199,7 +199,8 @@ Partition first_partition(const LightView& light, std::size_t number, std::size_
       if (faces && !(*faces)[f.face]) continue;
       set[number / 64] = f.lit ? std::uint64_t{1} << (number % 64) : 0;
       const FacetId facet(f.facet);
-      const bool front = visibility.facing(facet) != Facing::toward || visibility.front_lit(facet);
+      const bool front =
+          visibility.facing(facet) != Facing::toward || visibility.front_faces_light(facet);
       out.add(f.face, f.facet, set, front);
       for (const Vec3& x : block.corners_of(f)) out.corner(x);
     }
@@ -229,7 +230,7 @@ void cut_by(const LightView& light, std::size_t number, const Partition& in, std
         const ConeCorner& c = a.cone->corners()[flip ? a.cone->count - 1 - k : k];
         out.corner(c.vertex != invalid_index
                        ? corners[c.vertex]
-                       : context.space.back(c.r, context.tables.plane_ray(facet).q));
+                       : context.space.back(c.r, context.tables.covector_of(facet).q));
       }
       w.pool.give_back(a.cone);
     }

@@ -3,17 +3,9 @@
 
 #include <vector>
 
-#include "fragments/polygon.hpp"
-#include "svbsp/cell_grid.hpp"
+#include "fragments/light_view.hpp"
 
 namespace shadowcut {
-
-// What can be read of a light that is up to date.
-struct LightView {
-  const CellGrid& grid;
-  const EmissionContext& context;
-  const Shadows& shadows;
-};
 
 // Cuts the first light's fragments by the second light's trees, and so on (CS95, section 4). A null
 // stands for a light that has been removed. `faces`, where it is given, chooses whose fragments.

@@ -78,8 +78,8 @@ class PointQuery {
   // The side of a dividing line on which the ray is. A ray on the line touches both sides.
   std::uint32_t side(const DividingLine& line, const CellPredicates& predicates) const {
     const double value = dot(line.n, ray_.r);
-    const double bound = static_cast<double>(line.error) + static_cast<double>(ray_.error) +
-                         sign_slack;
+    const double bound =
+        static_cast<double>(line.error) + static_cast<double>(ray_.error) + sign_slack;
     if (exact_ && !(std::abs(value) > bound))
       return exact_->side(predicates.exact(line.id), corner()) < 0 ? 1 : 0;
     return value < 0 ? 1 : 0;
@@ -96,8 +96,8 @@ class PointQuery {
     const double bound =
         nearer.error + nearer.size * (static_cast<double>(ray_.error) + sign_slack);
     if (std::abs(value) > bound) return value < 0;
-    return exact_ && exact_->nearer(tables_.scene_planes[own], tables_.scene_planes[other],
-                                    corner()) < 0;
+    return exact_ &&
+           exact_->nearer(tables_.scene_planes[own], tables_.scene_planes[other], corner()) < 0;
   }
 
   ExactCorner corner() const { return {&point_, false, nullptr, nullptr, false, false}; }

@@ -1,7 +1,7 @@
 // Whether a light reaches a point of a face.
 #pragma once
 
-#include "fragments/overlay.hpp"
+#include "fragments/light_view.hpp"
 
 namespace shadowcut {
 

@@ -8,7 +8,7 @@ namespace {
 // The point of a ray in the facet's plane. Where a light nearly touches the plane the numbers may
 // have no such point: then any point of the facet serves.
 Vec3 on_plane(const EmissionContext& context, FacetId facet, const double r[3]) {
-  const Vec3 x = context.space.back(r, context.tables.plane_ray(facet).q);
+  const Vec3 x = context.space.back(r, context.tables.covector_of(facet).q);
   if (x.allFinite()) return x;
   return context.scene.vertices()[context.scene.corners_of(context.tables.facet(facet))[0].vertex];
 }
@@ -78,7 +78,7 @@ double place_polygon(const EmissionContext& context, const CellPredicates& predi
   SHADOWCUT_ASSERT(cone.size() >= 2);
   const std::size_t count = cone.size();
   const bool reversed = context.space.handedness() < 0;
-  const double* q = context.tables.plane_ray(facet).q;
+  const double* q = context.tables.covector_of(facet).q;
   const Vec3* vertices = context.scene.vertices().data();
   const bool will_do = area_from_corners(context, facet);
   if (will_do) {

@@ -5,28 +5,10 @@
 #include <cstdint>
 #include <span>
 
-#include "facets/facet_visibility.hpp"
+#include "fragments/emission_context.hpp"
 #include "predicates/cell_predicates.hpp"
 
 namespace shadowcut {
-
-// What fragments are made from, and how.
-struct EmissionContext {
-  const Scene& scene;
-  const LightSpace& space;
-  const LightTables& tables;
-  const FacetVisibility& visibility;
-  const Light& light;
-  Form form;
-  bool constructions;  // fill Block::constructions
-  MinFeature min_feature;
-
-  bool merges() const { return form != Form::pieces; }
-  bool keeps_lines() const { return form == Form::conforming; }
-  bool receives(FacetId facet) const {
-    return scene.objects()[tables.object_of(facet)].receives_shadows;
-  }
-};
 
 // The area of a polygon given corner by corner, as its part along the plane's normal: linear in the
 // corners, so the areas of parts add up.

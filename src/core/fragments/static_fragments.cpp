@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "cones/merge_convex.hpp"
+#include "clipping/merge_convex.hpp"
 #include "fragments/emission.hpp"
 
 namespace shadowcut {
@@ -34,7 +34,7 @@ std::vector<PieceId> order_of_cuts(const SvbspTree& tree) {
   };
   const auto key = [&](PieceId p) {
     const Piece& piece = tree.pieces[p];
-    return std::tuple(piece.facet, rank_of(piece), piece.at & 1, piece.kind);
+    return std::tuple(piece.facet, rank_of(piece), piece.node_or_leaf & 1, piece.kind);
   };
   std::stable_sort(order.begin(), order.end(),
                    [&](PieceId a, PieceId b) { return key(a) < key(b); });
@@ -124,14 +124,9 @@ class MergingSink {
     }
     if (context_.constructions) note_constructions(context_, predicates_, cone, first, out_.block);
     const std::uint32_t face = context_.tables.face_of(facet).value();
-    out_.block.fragments.push_back({{cell_.value(), piece.value(), place},
-                                    face,
-                                    facet.value(),
-                                    state.caster(),
-                                    static_cast<std::uint32_t>(first),
-                                    count,
-                                    state.is_lit(),
-                                    area});
+    out_.block.fragments.push_back({fragment_id(cell_, piece, place), face, facet.value(),
+                                    state.caster(), static_cast<std::uint32_t>(first), count,
+                                    state.is_lit(), area});
     if (!context_.keeps_lines()) return;
     for (std::uint32_t k = 0; k < count; ++k) {
       // The edge that leaves corner k in this order.

@@ -123,14 +123,14 @@ Orientation LightSpace::orientation(const Plane& p) const {
 }
 
 // Substituting the inverse of T into m.X + p W = 0, with p = -m.(point - C).
-PlaneRay LightSpace::plane(const Plane& p) const {
+PlaneCovector LightSpace::plane(const Plane& p) const {
   const Vec3 d = p.point - center_;
   const Vec3& m = p.normal;
   const double reach = m.dot(d) * inverse_scale_,
                size = m.cwiseAbs().dot(d.cwiseAbs()) * inverse_scale_;
   double g_error, unused;
   const double g = awayness(p, g_error, unused);
-  PlaneRay out{};
+  PlaneCovector out{};
   double numerator_error = 0;  // absolute, in addition to the rounding of each component
   if (!far_) {
     for (int i = 0; i < 3; ++i) out.q[i] = m[i] / reach;

@@ -45,7 +45,7 @@ inline std::uint32_t shared_vertex(const Line& l, const Line& m) {
 }
 
 // The plane of a face in light space.
-struct PlaneRay {
+struct PlaneCovector {
   double q[3];
   // Absolute, of q. Includes the flatness of the plane: two planes nearer together than the input
   // is flat are in contact.
@@ -58,7 +58,8 @@ struct VertexRay {
   float error;
 };
 
-// The side of a plane that faces the light: its front (toward), its back (away), or neither.
+// Whether the front of a plane faces the light (toward) or its back does (away). The public enum
+// Facing is about the side of a facet that receives light; FacetVisibility derives it from this.
 enum class Orientation : std::uint8_t { toward, away, edge_on };
 
 class LightSpace {
@@ -70,7 +71,7 @@ class LightSpace {
   // The line through the edge a -> b: positive on the left as the light sees the edge, or in its
   // mirror image (see handedness()). Line::a and b are not set.
   Line line(const Vec3& a, const Vec3& b) const;
-  PlaneRay plane(const Plane& p) const;  // not for planes seen edge-on
+  PlaneCovector plane(const Plane& p) const;  // not for planes seen edge-on
   Orientation orientation(const Plane& p) const;
   // The direction of the plane as a covector of length one. Unlike q it exists for planes seen
   // edge-on.

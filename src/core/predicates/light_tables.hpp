@@ -16,8 +16,8 @@ namespace shadowcut {
 // Read-only while cells are built or edited.
 struct LightTables {
   LineTable lines;
-  std::vector<VertexRay> rays;   // by Scene::vertices(); filled for facets that enter the tree
-  std::vector<PlaneRay> planes;  // by Scene::planes(); likewise
+  std::vector<VertexRay> rays;        // by Scene::vertices(); filled for facets that enter the tree
+  std::vector<PlaneCovector> planes;  // by Scene::planes(); likewise
   std::unique_ptr<ExactPredicates> exact;  // exact kernel; otherwise null
 
   // The scene's arrays; refer_to() again after the scene has grown.
@@ -43,7 +43,7 @@ struct LightTables {
   std::uint32_t object_of(FacetId id) const { return faces[facet(id).face].object; }
   bool casts(FacetId id) const { return objects[object_of(id)].casts_shadows; }
   std::uint32_t plane_index(FacetId id) const { return facet(id).plane; }
-  const PlaneRay& plane_ray(FacetId id) const {
+  const PlaneCovector& covector_of(FacetId id) const {
     SHADOWCUT_ASSERT(plane_index(id) < planes.size());
     return planes[plane_index(id)];
   }

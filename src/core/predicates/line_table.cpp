@@ -43,7 +43,7 @@ void LineTable::grow(std::size_t objects) {
 void LineTable::count_plane(LineId line, bool kept) {
   const std::uint32_t b = block_of_line_[line.value()];
   SHADOWCUT_ASSERT(b < blocks_.size());
-  Block& block = blocks_[b];
+  IdBlock& block = blocks_[b];
   SHADOWCUT_ASSERT(kept || block.planes > 0);
   if (kept) {
     ++block.planes;
@@ -56,7 +56,7 @@ void LineTable::leave_block(std::uint32_t object) {
   if (object >= block_of_object_.size()) return;
   const std::uint32_t b = block_of_object_[object];
   if (b == invalid_index || blocks_[b].planes == 0) return;
-  Block& block = blocks_[b];
+  IdBlock& block = blocks_[b];
   block.left = true;
   // The vertices of these lines are going to move: the lines no longer name them.
   for (std::uint32_t id = block.first; id < block.first + block.count; ++id)

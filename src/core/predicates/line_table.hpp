@@ -82,7 +82,7 @@ class LineTable {
   bool is_left(std::size_t block) const { return blocks_[block].left; }
 
  private:
-  struct Block {                 // ids of one object's edges, at one of its poses
+  struct IdBlock {               // ids of one object's edges, at one of its poses
     std::uint32_t first, count;  // ids
     std::uint32_t planes;        // planes left behind that still use them
     bool left;                   // its object has other ids now
@@ -93,7 +93,7 @@ class LineTable {
   bool with_ends_ = false;
   std::vector<std::uint32_t> shift_;  // by object: line id less edge index
   std::uint32_t first_kd_line_ = 0, kd_lines_ = 0;
-  std::vector<Block> blocks_;
+  std::vector<IdBlock> blocks_;
   std::vector<std::uint32_t> block_of_object_, block_of_line_;  // indices into blocks_, or none
   std::multimap<std::uint32_t, std::uint32_t> free_blocks_;     // by count
 };

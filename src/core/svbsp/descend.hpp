@@ -4,7 +4,7 @@
 // Depth first. Nothing recurses, so no depth overflows.
 #pragma once
 
-#include "cones/clip.hpp"
+#include "clipping/clip.hpp"
 #include "svbsp/nodes.hpp"
 
 namespace shadowcut {

@@ -33,7 +33,8 @@ class DisplacedPieces {
   std::span<const Displaced> all() const { return pieces_; }
   std::size_t size() const { return pieces_.size(); }
 
-  // Inserts the pieces that cast first. `merge`: see Insertion.
+  // Inserts the pieces, those that cast first. `merge`: pieces that come to a PP-node's list merge
+  // with pieces of their facet there.
   void insert(SvbspTree& tree, bool merge, Workspace& w);
 
  private:

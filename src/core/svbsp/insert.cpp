@@ -2,127 +2,101 @@
 
 #include <algorithm>
 
-#include "svbsp/descend.hpp"
 #include "svbsp/displaced.hpp"
+#include "svbsp/insertion.hpp"
 #include "svbsp/join.hpp"
 
 namespace shadowcut {
-namespace {
 
-// A cone on its way down. SP-nodes cut it; a PP-node stores what is behind its plane; at an OUT
-// leaf its shadow volume is attached.
-class Insertion : public DescentVisitor {
- public:
-  // `merge`: pieces that come to a PP-node's list merge with pieces of their facet there.
-  Insertion(SvbspTree& tree, bool merge, Workspace& w) : tree_(tree), merge_(merge), w_(w) {}
-  ~Insertion() {
-    tree_.counts.predicates += sign_tests;
-    tree_.counts.signs.on += counts.on;
-    tree_.counts.signs.by_identity += counts.by_identity;
-    tree_.counts.signs.by_exact += counts.by_exact;
-  }
+Insertion::~Insertion() {
+  tree_.counts.predicates += sign_tests;
+  tree_.counts.signs.on += counts.on;
+  tree_.counts.signs.by_identity += counts.by_identity;
+  tree_.counts.signs.by_exact += counts.by_exact;
+}
 
-  CellPredicates cell_predicates() const { return tree_.predicates(); }
-  bool stops_at(Place, Branch here, std::uint32_t&) const { return here.is_out(); }
+bool Insertion::bounds(NodeId node, const Cone& cone) const {
+  if (!tree_.settings().edits) return true;
+  const NodeLinks& links = tree_.links(node);
+  return !links.is_marked() && tree_.tables().object_of(tree_.pieces[links.owner].facet) ==
+                                   tree_.tables().object_of(cone.facet);
+}
 
-  // Under edits, a node of another object may go while this facet stays: the node serves as an end
-  // only where it cuts the facet itself.
-  bool bounds(NodeId node, const Cone& cone) const {
-    if (!tree_.settings().edits) return true;
-    const NodeLinks& links = tree_.links(node);
-    return !links.is_marked() && tree_.tables().object_of(tree_.pieces[links.owner].facet) ==
-                                     tree_.tables().object_of(cone.facet);
-  }
-
-  // What is behind the plane is stored there, shadowed; what is in front goes on. A cone on both
-  // sides is cut along the line in which the planes cross; the line becomes an SP-node of the part
-  // in front when that part attaches its shadow volume.
-  Cone* pass_pp_node(Cone* cone, NodeId pp) {
-    SHADOWCUT_ASSERT(tree_.is_pp(pp) && cone->entry.valid());
-    const LightTables& tables = tree_.tables();
-    const std::uint32_t own = tables.plane_index(cone->facet),
-                        other = tables.plane_index(tree_.owner_facet(pp));
-    if (own == other) {
-      rest_in_list(cone, Piece::Kind::coplanar, pp);
-      return nullptr;
-    }
-    const Node& node = tree_.node(pp);
-    const PlaneDifference nearer(tables.planes[own], node.n, node.error);
-    sign_tests += cone->count;
-    const CornerSides sides =
-        sides_of_plane(*cone, nearer, other, cell_predicates(), w_.spill, counts);
-    if (sides.positive() && sides.negative()) {
-      Cone *front, *behind;
-      cut_by_plane(*cone, sides, nearer, other, front, behind);
-      w_.pool.give_back(cone);
-      rest_in_list(behind, Piece::Kind::behind, pp);
-      return front;
-    }
-    if (sides.positive()) return cone;
-    rest_in_list(cone, sides.negative() ? Piece::Kind::behind : Piece::Kind::coplanar, pp);
+Cone* Insertion::pass_pp_node(Cone* cone, NodeId pp) {
+  SHADOWCUT_ASSERT(tree_.is_pp(pp) && cone->entry.valid());
+  const LightTables& tables = tree_.tables();
+  const std::uint32_t own = tables.plane_index(cone->facet),
+                      other = tables.plane_index(tree_.owner_facet(pp));
+  if (own == other) {
+    rest_in_list(cone, Piece::Kind::coplanar, pp);
     return nullptr;
   }
-
-  // At a leaf. A facet that does not cast rests there.
-  void arrive(Cone* cone, Place leaf) {
-    if (!tree_.tables().casts(cone->facet)) {
-      tree_.rest_at_leaf(tree_.store(*cone, Piece::Kind::at_leaf, leaf.value()), leaf);
-    } else {
-      push_resting_pieces(leaf);
-      attach_shadow_volume(*cone, leaf);
-    }
+  const Node& node = tree_.node(pp);
+  const PlaneDifference nearer(tables.planes[own], node.n, node.error);
+  sign_tests += cone->count;
+  const CornerSides sides =
+      sides_of_plane(*cone, nearer, other, cell_predicates(), w_.spill, counts);
+  if (sides.positive() && sides.negative()) {
+    Cone *front, *behind;
+    cut_by_plane(*cone, sides, nearer, other, front, behind);
     w_.pool.give_back(cone);
+    rest_in_list(behind, Piece::Kind::behind, pp);
+    return front;
   }
+  if (sides.positive()) return cone;
+  rest_in_list(cone, sides.negative() ? Piece::Kind::behind : Piece::Kind::coplanar, pp);
+  return nullptr;
+}
 
- private:
-  void rest_in_list(Cone* cone, Piece::Kind kind, NodeId pp) {
-    const PieceId piece = tree_.store(*cone, kind, pp.value());
-    tree_.add_to_list(piece, pp);
-    if (merge_) merge_in_list(tree_, piece, pp);
-    w_.pool.give_back(cone);
+void Insertion::arrive(Cone* cone, Place leaf) {
+  if (!tree_.tables().casts(cone->facet)) {
+    tree_.rest_at_leaf(tree_.store(*cone, Piece::Kind::at_leaf, leaf.value()), leaf);
+  } else {
+    push_resting_pieces(leaf);
+    attach_shadow_volume(*cone, leaf);
   }
+  w_.pool.give_back(cone);
+}
 
-  void cut_by_plane(const Cone& cone, const CornerSides& sides, const PlaneDifference& nearer,
-                    std::uint32_t other, Cone*& front, Cone*& behind) {
-    const LightTables& tables = tree_.tables();
-    const Plane &p = tables.plane_of(cone.facet), &q = tables.scene_planes[other];
-    const LineId cut =
-        tree_.lines.add(nearer.line(), {true, {p.exact_normal, p.point, q.exact_normal, q.point}});
-    const Line& line = tree_.line(cut);
-    split(cone, sides, {line.n, line.error, cut}, false, cell_predicates(), w_.pool, front, behind);
+void Insertion::rest_in_list(Cone* cone, Piece::Kind kind, NodeId pp) {
+  const PieceId piece = tree_.store(*cone, kind, pp.value());
+  tree_.add_to_list(piece, pp);
+  if (merge_) merge_in_list(tree_, piece, pp);
+  w_.pool.give_back(cone);
+}
+
+void Insertion::cut_by_plane(const Cone& cone, const CornerSides& sides,
+                             const PlaneDifference& nearer, std::uint32_t other, Cone*& front,
+                             Cone*& behind) {
+  const LightTables& tables = tree_.tables();
+  const Plane &p = tables.plane_of(cone.facet), &q = tables.scene_planes[other];
+  const LineId cut =
+      tree_.lines.add(nearer.line(), {true, {p.exact_normal, p.point, q.exact_normal, q.point}});
+  const Line& line = tree_.line(cut);
+  split(cone, sides, {line.n, line.error, cut}, false, cell_predicates(), w_.pool, front, behind);
+}
+
+void Insertion::push_resting_pieces(Place leaf) {
+  for (PieceId p = tree_.branch(leaf).first_piece(); p.valid();) {
+    const PieceId next = tree_.pieces[p].next;
+    w_.pending.push_back({tree_.cone_of(tree_.pieces[p], w_.pool), leaf.value(), 0});
+    tree_.unlink(p);
+    tree_.release_piece(p);
+    p = next;
   }
+}
 
-  // Pieces that rested at a leaf without casting go on from there, below the new shadow volume.
-  void push_resting_pieces(Place leaf) {
-    for (PieceId p = tree_.branch(leaf).first_piece(); p.valid();) {
-      const PieceId next = tree_.pieces[p].next;
-      w_.pending.push_back({tree_.cone_of(tree_.pieces[p], w_.pool), leaf.value(), 0});
-      tree_.unlink(p);
-      tree_.release_piece(p);
-      p = next;
-    }
+void Insertion::attach_shadow_volume(const Cone& cone, Place leaf) {
+  SHADOWCUT_ASSERT(tree_.branch(leaf).is_empty());
+  const PieceId piece = tree_.store(cone, Piece::Kind::owner, leaf.value());
+  Place place = leaf;
+  for (const ConeCorner& c : cone.span()) {
+    if (!c.edge.bounded()) tree_.add_sp_node(place, c.edge, piece);
   }
-
-  // Replaces a leaf by the shadow volume of a piece: an SP-node for each edge at which the cell
-  // does not already end, then the piece's PP-node.
-  void attach_shadow_volume(const Cone& cone, Place leaf) {
-    SHADOWCUT_ASSERT(tree_.branch(leaf).is_empty());
-    const PieceId piece = tree_.store(cone, Piece::Kind::owner, leaf.value());
-    Place place = leaf;
-    for (const ConeCorner& c : cone.span()) {
-      if (!c.edge.bounded()) tree_.add_sp_node(place, c.edge, piece);
-    }
-    tree_.add_pp_node(place, piece);
-    tree_.log_change(leaf);
-    SHADOWCUT_ASSERT(!tree_.branch(leaf).is_out());
-  }
-
-  SvbspTree& tree_;
-  bool merge_;
-  Workspace& w_;
-};
-
-}  // namespace
+  tree_.add_pp_node(place, piece);
+  tree_.log_change(leaf);
+  SHADOWCUT_ASSERT(!tree_.branch(leaf).is_out());
+}
 
 EntryId insert(SvbspTree& tree, Cone* cone, Workspace& w) {
   const EntryId entry = tree.pieces.add_entry(cone->facet);

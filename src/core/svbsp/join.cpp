@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "cones/merge_convex.hpp"
+#include "clipping/merge_convex.hpp"
 #include "svbsp/displaced.hpp"
 
 namespace shadowcut {

@@ -1,4 +1,5 @@
-// Joining the two sides of a marked SP-node (CS95, section 3.2).
+// Joining the two sides of a marked SP-node, the plane of an edge of a removed face (CS95, section
+// 3.2; NodeLinks says what marked means).
 #pragma once
 
 #include "svbsp/svbsp_tree.hpp"

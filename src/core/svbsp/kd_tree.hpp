@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "cones/clip.hpp"
+#include "clipping/clip.hpp"
 #include "svbsp/nodes.hpp"
 
 namespace shadowcut {

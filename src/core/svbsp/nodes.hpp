@@ -72,13 +72,13 @@ class Place {
 
 // What a descent reads of a node.
 struct Node {
-  double n[3];         // SP: the line; PP: the plane's q
-  float error;         // of n
-  Branch child[2];     // SP: positive, negative side; PP: [0] in front, [1] unused
-  std::uint32_t name;  // SP: a LineId; PP: a PieceId, the owner
+  double n[3];                  // SP: the line; PP: the plane's q
+  float error;                  // of n
+  Branch child[2];              // SP: positive, negative side; PP: [0] in front, [1] unused
+  std::uint32_t line_or_owner;  // SP: a LineId; PP: a PieceId
 
-  LineId line() const { return LineId(name); }     // of an SP-node
-  PieceId owner() const { return PieceId(name); }  // of a PP-node
+  LineId line() const { return LineId(line_or_owner); }     // of an SP-node
+  PieceId owner() const { return PieceId(line_or_owner); }  // of a PP-node
 };
 static_assert(sizeof(Node) == 40);
 
@@ -120,19 +120,19 @@ struct Piece {
   FacetId facet;
   std::uint32_t first_corner, corner_count;
   float error;
-  std::uint32_t at;        // owner, behind, coplanar: the PP-node; at_leaf: the leaf's place
-  PieceId next, previous;  // in the list of that node or leaf
+  std::uint32_t node_or_leaf;  // owner, behind, coplanar: a NodeId; at_leaf: a Place
+  PieceId next, previous;      // in the list of that node or leaf
   EntryId entry;
   PieceId after, before;  // in the list of that entry
   Kind kind;
 
   NodeId node() const {
     SHADOWCUT_ASSERT(kind != Kind::at_leaf);
-    return NodeId(at);
+    return NodeId(node_or_leaf);
   }
   Place leaf() const {
     SHADOWCUT_ASSERT(kind == Kind::at_leaf);
-    return Place(at);
+    return Place(node_or_leaf);
   }
   // In front of its PP-node, where SP-nodes and PP-nodes of the front subtree cut it.
   bool is_in_front() const { return kind == Kind::owner || kind == Kind::coplanar; }

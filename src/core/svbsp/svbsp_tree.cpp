@@ -66,9 +66,9 @@ void SvbspTree::begin_rebuild() {
   pp_nodes_ = marked_nodes_ = 0;
 }
 
-NodeId SvbspTree::add_node(const double n[3], float error, std::uint32_t name, Place parent,
-                           PieceId owner) {
-  const Node node{{n[0], n[1], n[2]}, error, {Branch::out(), Branch::out()}, name};
+NodeId SvbspTree::add_node(const double n[3], float error, std::uint32_t line_or_owner,
+                           Place parent, PieceId owner) {
+  const Node node{{n[0], n[1], n[2]}, error, {Branch::out(), Branch::out()}, line_or_owner};
   const NodeLinks links{parent, owner, PieceId(), NodeLinks::Status::owned, false};
   if (free_nodes_.empty()) {
     nodes_.push_back(node);
@@ -93,11 +93,11 @@ void SvbspTree::add_sp_node(Place& place, EdgeRef edge, PieceId owner) {
 
 void SvbspTree::add_pp_node(Place place, PieceId owner) {
   SHADOWCUT_ASSERT(branch(place).is_empty() && pieces[owner].kind == Piece::Kind::owner);
-  const PlaneRay& q = tables_->plane_ray(pieces[owner].facet);
+  const PlaneCovector& q = tables_->covector_of(pieces[owner].facet);
   const NodeId pp = add_node(q.q, q.error, owner.value(), place, owner);
   slot(place) = Branch::pp(pp);
   ++pp_nodes_;
-  pieces[owner].at = pp.value();
+  pieces[owner].node_or_leaf = pp.value();
 }
 
 PieceId SvbspTree::store(const Cone& cone, Piece::Kind kind, std::uint32_t at) {
@@ -132,7 +132,7 @@ void SvbspTree::put(Place place, Branch branch) {
     links(branch.node()).parent = place;
   } else {
     for (PieceId p = branch.first_piece(); p.valid(); p = pieces[p].next)
-      pieces[p].at = place.value();
+      pieces[p].node_or_leaf = place.value();
   }
 }
 

@@ -34,7 +34,7 @@
 #include <string>
 #include <vector>
 
-#include "cones/clip.hpp"
+#include "clipping/clip.hpp"
 #include "svbsp/edit_log.hpp"
 #include "svbsp/local_lines.hpp"
 #include "svbsp/nodes.hpp"
@@ -104,7 +104,8 @@ class SvbspTree {
   void end_rebuild() { logs_ = settings_.edits; }
 
   // Steps of insertion.
-  NodeId add_node(const double n[3], float error, std::uint32_t name, Place parent, PieceId owner);
+  NodeId add_node(const double n[3], float error, std::uint32_t line_or_owner, Place parent,
+                  PieceId owner);
   void add_sp_node(Place& place, EdgeRef edge, PieceId owner);  // moves on to its inside
   void add_pp_node(Place place, PieceId owner);
   PieceId store(const Cone& cone, Piece::Kind kind, std::uint32_t at);

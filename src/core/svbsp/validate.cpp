@@ -151,7 +151,7 @@ class TreeCheck {
   // their distance, and the loop as convex up to that, so a corner may be on the wrong side of
   // another of the facet's edges.
   double bend(const Cone& cone) const {
-    const PlaneRay& ray = tree_.tables().plane_ray(cone.facet);
+    const PlaneCovector& ray = tree_.tables().covector_of(cone.facet);
     double nearest = INFINITY;
     for (const ConeCorner& c : cone.span()) {
       nearest = std::min(nearest, (space_->back(c.r, ray.q) - space_->frame().center).norm());
@@ -169,7 +169,7 @@ class TreeCheck {
       const Node& node = tree_.node(place.node());
       if (tree_.is_pp(place.node())) {
         // 4. A piece in the front subtree of a PP-node is nowhere certainly behind its plane.
-        const PlaneDifference nearer(tree_.tables().plane_ray(piece.facet), node.n, node.error);
+        const PlaneDifference nearer(tree_.tables().covector_of(piece.facet), node.n, node.error);
         if (CornerSides(cone, nearer.d, since_cut * nearer.bound(cone), spill_).negative())
           return message("a piece in front of a PP-node reaches behind it", i);
         continue;
@@ -210,7 +210,7 @@ class TreeCheck {
     const Node& node = tree_.node(piece.node());
     if (tables.plane_index(tree_.owner_facet(piece.node())) == tables.plane_index(piece.facet))
       return {};
-    const PlaneDifference nearer(tables.plane_ray(piece.facet), node.n, node.error);
+    const PlaneDifference nearer(tables.covector_of(piece.facet), node.n, node.error);
     const CornerSides sides(cone, nearer.d, nearer.bound(cone), spill_);
     if (sides.positive() || (sides.negative() && piece.kind == Piece::Kind::coplanar))
       return message("a piece behind a PP-node reaches in front of it", i);

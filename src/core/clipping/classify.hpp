@@ -177,7 +177,7 @@ struct PlaneDifference {
   double d[3];
   double size, error;  // |d|, about; absolute, of d
 
-  PlaneDifference(const PlaneRay& own, const double q[3], float q_error)
+  PlaneDifference(const PlaneCovector& own, const double q[3], float q_error)
       : d{own.q[0] - q[0], own.q[1] - q[1], own.q[2] - q[2]} {
     size = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
     SHADOWCUT_ASSERT(own.error >= 0 && q_error >= 0);

@@ -6,25 +6,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "cones/classify.hpp"
+#include "clipping/classify.hpp"
+#include "clipping/workspace.hpp"
 #include "numbers/error_free.hpp"
 
 namespace shadowcut {
-
-// Memory that one thread reuses for cell after cell.
-struct Workspace {
-  // A cone on its way down a tree; see svbsp/descend.hpp.
-  struct Pending {
-    Cone* cone;
-    std::uint32_t place;  // a Place of a cell's tree, or a branch of the k-d tree
-    std::uint32_t tag;    // the visitor's own
-  };
-
-  ConePool pool;
-  std::vector<std::int8_t> spill;  // see CornerSides
-  std::vector<Pending> pending;
-  PointCache points;
-};
 
 // a*b - c*d with an error of about one rounding of the result: Dekker's products (1971) give what
 // the plain products drop. Exchanging the products changes the sign and nothing else.
