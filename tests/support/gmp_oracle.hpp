@@ -7,8 +7,8 @@
 //   1. A facet's plane is { x : exact_normal . (x - point) = 0 }. Its front faces a point light iff
 //      exact_normal . (light - point) > 0, a directional one iff exact_normal . travel < 0.
 //   2. A facet is edge-on, and takes no part, if that number is 0; if some corner x of the facet
-//      has another sign of exact_normal . (x - light) than point has, or zero (point lights); or if its
-//      corners, seen from the light, lie in one line.
+//      has another sign of exact_normal . (x - light) than point has, or zero (point lights); or if
+//      its corners, seen from the light, are in one line.
 //   3. Of closed objects only facets whose front faces the light take part; of open ones both sides
 //      do.
 //   4. A facet's region is its plane cut by the cone of rays through the loop of its corners. A

@@ -9,7 +9,9 @@ import re
 import sys
 
 # As in src/core/CMakeLists.txt.
-STAGES = 'support numbers scene light_space predicates clipping facets svbsp fragments engine'.split()
+STAGES = (
+    'support numbers scene light_space predicates clipping facets svbsp fragments engine'.split()
+)
 MOST_LINES = 450
 
 

@@ -26,7 +26,8 @@ const at = (sorted, share) =>
   sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))];
 const figures = (values) => {
   const sorted = Float64Array.from(values).sort();
-  return `median ${at(sorted, 0.5).toFixed(3)}  p99 ${at(sorted, 0.99).toFixed(3)}  most ${at(sorted, 1).toFixed(3)}`;
+  const [median, p99, most] = [0.5, 0.99, 1].map((share) => at(sorted, share).toFixed(3));
+  return `median ${median}  p99 ${p99}  most ${most}`;
 };
 
 for (const [name, lamps] of [['one lamp', [[5.3613, 3.7171, 2.43]]]]) {
@@ -35,7 +36,8 @@ for (const [name, lamps] of [['one lamp', [[5.3613, 3.7171, 2.43]]]]) {
   const shadows = new SceneShadows(shadowcut, scene, { dynamic: (mesh) => mesh === desk });
   const first = shadows.update();
   console.log(
-    `${name}: first update ${first.ms.toFixed(1)} ms (engine ${first.engineMs.toFixed(1)}), ${shadows.mesh.geometry.attributes.position.count} vertices, ${first.added} fragments`,
+    `${name}: first update ${first.ms.toFixed(1)} ms (engine ${first.engineMs.toFixed(1)}), ` +
+      `${shadows.mesh.geometry.attributes.position.count} vertices, ${first.added} fragments`,
   );
   const ms = [],
     engineMs = [],
@@ -58,7 +60,9 @@ for (const [name, lamps] of [['one lamp', [[5.3613, 3.7171, 2.43]]]]) {
     for (const each of uploads) each.clearUpdateRanges();
   }
   console.log(
-    `  update ms    ${figures(ms)}\n  engine ms    ${figures(engineMs)}\n  kB uploaded  ${figures(bytes)}\n  added        ${figures(added)}\n  ranges       ${figures(ranges)}`,
+    `  update ms    ${figures(ms)}\n  engine ms    ${figures(engineMs)}\n` +
+      `  kB uploaded  ${figures(bytes)}\n  added        ${figures(added)}\n` +
+      `  ranges       ${figures(ranges)}`,
   );
   const still = [];
   for (let i = 0; i < 200; ++i) still.push(shadows.update().ms);

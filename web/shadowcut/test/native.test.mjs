@@ -1,4 +1,4 @@
-// The same scenes and edits as the native engine had (tests/support/web_reference.cpp wrote what it made of
+// The scenes and edits of tests/support/web_reference.cpp, which wrote the native engine's result for
 // them): the same fragments, the same areas, to the last bit.
 //
 //   SHADOWCUT_REFERENCE=reference.json node --test native.test.mjs

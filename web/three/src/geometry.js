@@ -404,7 +404,9 @@ export class FragmentGeometry {
   #clearLines(first, end) {
     const { faces } = this.#streams;
     const { array } = this.#lineIndex;
-    for (let v = first; v < end; ++v) if (faces[v] === invalidIndex) array[2 * v + 1] = array[2 * v];
+    for (let v = first; v < end; ++v) {
+      if (faces[v] === invalidIndex) array[2 * v + 1] = array[2 * v];
+    }
   }
   // Of triples: a fragment's follow each other as a fan, the last one closes it.
   #writeLines(first, end) {

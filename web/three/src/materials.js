@@ -47,8 +47,10 @@ const growing = /* glsl */ `#include <begin_vertex>
 \t\tvec4 at = shadowcutToClip * vec4( transformed, 1.0 );
 \t\tvec3 outward = shadowcutOutward * ( ${growth} / projectionMatrix[ 1 ][ 1 ] * abs( at.w ) );
 \t\tvec4 moved = at + shadowcutToClip * vec4( outward, 0.0 );
-\t\tvec2 seen = ( moved.xy / moved.w - at.xy / at.w ) * vec2( projectionMatrix[ 1 ][ 1 ] / projectionMatrix[ 0 ][ 0 ], 1.0 );
-\t\ttransformed += outward / clamp( length( seen ) / ( ${growth} * max( length( shadowcutOutward ), 1e-6 ) ), 0.05, 1.0 );
+\t\tvec2 aspect = vec2( projectionMatrix[ 1 ][ 1 ] / projectionMatrix[ 0 ][ 0 ], 1.0 );
+\t\tvec2 seen = ( moved.xy / moved.w - at.xy / at.w ) * aspect;
+\t\tfloat full = ${growth} * max( length( shadowcutOutward ), 1e-6 );
+\t\ttransformed += outward / clamp( length( seen ) / full, 0.05, 1.0 );
 \t}
 `;
 const vertexDeclarations = /* glsl */ `
@@ -65,7 +67,9 @@ ${Object.entries(kinds)
   .join('\n')}
 // 1: the light of that bit reaches the fragment, or nobody has followed it.
 float shadowcutReaches( int bit ) {
-  return bit < 0 ? 1.0 : float( ( vShadowcutMask[ bit / ${bitsPerNumber} ] >> uint( bit % ${bitsPerNumber} ) ) & 1u );
+  if ( bit < 0 ) return 1.0;
+  uint word = vShadowcutMask[ bit / ${bitsPerNumber} ];
+  return float( ( word >> uint( bit % ${bitsPerNumber} ) ) & 1u );
 }
 `;
 // The product over all lights, as three.js' own.

@@ -34,7 +34,8 @@ for (const seed of seeds) {
       // of groups, or in a range, that there are not
       for (const { message } of shadows.issues) assert.equal(message, 'has no triangles');
     } catch (error) {
-      error.message = `seed ${seed}, after ${seen.slice(-6).join(', ')} (${seen.length} changes): ${error.message}`;
+      const last = seen.slice(-6).join(', ');
+      error.message = `seed ${seed}, after ${last} (${seen.length} changes): ${error.message}`;
       throw error;
     } finally {
       shadows.dispose();

@@ -45,7 +45,8 @@ export async function readModel(file) {
   };
   if (file.size > mostBytes)
     refuse(
-      `${megabytes(file.size)}; this page takes GLBs of up to ${megabytes(mostBytes)}, so that phones can follow.`,
+      `${megabytes(file.size)}; this page takes GLBs of up to ${megabytes(mostBytes)}, ` +
+        'so that phones can follow.',
     );
   const bytes = await file.arrayBuffer().catch(() => refuse('the file cannot be read.'));
   const document = documentOf(bytes, refuse);
@@ -76,7 +77,8 @@ export async function readModel(file) {
 
 const megabytes = (bytes) => `${(bytes / 2 ** 20).toFixed(0)} MB`;
 const tooMany = (triangles) =>
-  `${triangles.toLocaleString('en')} triangles; this page takes up to ${mostTriangles.toLocaleString('en')}, so that it does not stand still for long.`;
+  `${triangles.toLocaleString('en')} triangles; this page takes up to ` +
+  `${mostTriangles.toLocaleString('en')}, so that it does not stand still for long.`;
 
 function documentOf(bytes, refuse) {
   const view = new DataView(bytes),
@@ -108,11 +110,13 @@ function checkDocument(document, refuse) {
   );
   if (outside)
     refuse(
-      `it refers to another file, ${outside.uri.slice(0, 60)}; this page reads nothing but the GLB.`,
+      `it refers to another file, ${outside.uri.slice(0, 60)}; ` +
+        'this page reads nothing but the GLB.',
     );
   if (list(document.nodes).length > mostNodes)
     refuse(
-      `${document.nodes.length.toLocaleString('en')} nodes; this page takes up to ${mostNodes.toLocaleString('en')}.`,
+      `${document.nodes.length.toLocaleString('en')} nodes; ` +
+        `this page takes up to ${mostNodes.toLocaleString('en')}.`,
     );
   checkTree(document, refuse);
   // Accessors with nothing in the file are zeros, as many as they like.
@@ -197,7 +201,9 @@ function clean(model, notes) {
   }
   if (broken > 0)
     notes.push(
-      `${broken} triangle${broken === 1 ? ' has' : 's have'} corners that are no numbers, and ${broken === 1 ? 'is' : 'are'} left out.`,
+      broken === 1
+        ? '1 triangle has corners that are no numbers, and is left out.'
+        : `${broken} triangles have corners that are no numbers, and are left out.`,
     );
   return left;
 }

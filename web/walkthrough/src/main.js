@@ -185,7 +185,8 @@ class App {
       if (error instanceof Refusal) this.panel.say(error.message);
       else if (error.status === 'OUT_OF_MEMORY')
         this.panel.say(
-          `${file.name}: its shadows need more memory than this page can have. What was here before is here again.`,
+          `${file.name}: its shadows need more memory than this page can have. ` +
+            'What was here before is here again.',
         );
       else (console.error(error), this.panel.say(`${file.name}: ${error.message}.`));
     }
@@ -229,7 +230,8 @@ class App {
     const issues = this.shadows.issues.filter(({ object }) => isWithin(object, root));
     if (issues.length > 0)
       words.push(
-        `${nameOf(issues[0].object)}: ${issues[0].message}${issues.length > 1 ? `; and ${issues.length - 1} more like it` : ''}.`,
+        `${nameOf(issues[0].object)}: ${issues[0].message}` +
+          `${issues.length > 1 ? `; and ${issues.length - 1} more like it` : ''}.`,
       );
     this.panel.say(words.length > 0 ? `${name} is here. ${words.join(' ')}` : '');
   }

@@ -16,7 +16,10 @@ export async function prepareXr(panel) {
 async function whyNot() {
   if (!isSecureContext) return 'VR needs this page to come over https, or from this machine.';
   if (!navigator.xr)
-    return 'This browser has no WebXR. Browsers on headsets have it; so has Chrome on a computer with a headset.';
+    return (
+      'This browser has no WebXR. Browsers on headsets have it; ' +
+      'so has Chrome on a computer with a headset.'
+    );
   try {
     return (await navigator.xr.isSessionSupported('immersive-vr'))
       ? ''

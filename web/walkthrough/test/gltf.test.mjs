@@ -40,7 +40,8 @@ const parse = (bytes) =>
 for (const [scene, ...lights] of scenes) {
   for (const extension of ['glb', 'gltf']) {
     for (const form of extension === 'glb' ? ['merged', 'pieces', 'conforming'] : ['merged']) {
-      test(`${scene.split('/').at(-1)}, ${lights.length} lights given, .${extension}, ${form}`, async () => {
+      const name = scene.split('/').at(-1);
+      test(`${name}, ${lights.length} lights given, .${extension}, ${form}`, async () => {
         const file = join(folder, `out.${extension}`);
         native(
           'cast',

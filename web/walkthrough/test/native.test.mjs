@@ -128,7 +128,8 @@ for (const kernel of ['exact', 'fast']) {
     assert.equal(await page.locator('#fragments').textContent(), String(fragments));
     assert.deepEqual(complaints, []);
     t.diagnostic(
-      `lit areas from ${Math.min(...updates.map((u) => u.lit_area))} to ${Math.max(...updates.map((u) => u.lit_area))} m²: the same bits`,
+      `lit areas from ${Math.min(...updates.map((u) => u.lit_area))} ` +
+        `to ${Math.max(...updates.map((u) => u.lit_area))} m²: the same bits`,
     );
     await context.close();
   });

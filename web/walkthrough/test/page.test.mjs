@@ -251,7 +251,7 @@ async function drop(page, name, bytes) {
 const settled = (page) =>
   page.waitForFunction(() => !/…$/.test(document.querySelector('#message span').textContent));
 
-test("a GLB of one's own, dropped: it stands in the room, casts, receives, and can be moved", async () => {
+test("a user's GLB, dropped: stands in the room, casts, receives, and can be moved", async () => {
   const { page, context, complaints } = await open(on.browser, on.server.address);
   const begun = await frame(page);
   await drop(page, 'pyramid.glb', meshGlb(pyramid()));
@@ -277,16 +277,14 @@ test("a GLB of one's own, dropped: it stands in the room, casts, receives, and c
   await context.close();
 });
 
-test("a GLB of one's own, chosen: it takes the room's place, with its lights or with a lamp", async () => {
+test("a user's GLB, chosen: it replaces the room, with its lights or with a lamp", async () => {
   const { page, context, complaints } = await open(on.browser, on.server.address);
   await page.selectOption('#where', 'alone');
-  await page
-    .locator('#file')
-    .setInputFiles({
-      name: 'carpet.glb',
-      mimeType: 'model/gltf-binary',
-      buffer: meshGlb(carpet(30)),
-    });
+  await page.locator('#file').setInputFiles({
+    name: 'carpet.glb',
+    mimeType: 'model/gltf-binary',
+    buffer: meshGlb(carpet(30)),
+  });
   await settled(page);
   assert.equal(await words(page), '');
   const lamp = await frame(page);
@@ -364,13 +362,11 @@ test('more than the memory holds: words, and the room is there again', async () 
   const { lit } = await frame(page);
   for (const where of ['room', 'alone']) {
     await page.selectOption('#where', where);
-    await page
-      .locator('#file')
-      .setInputFiles({
-        name: 'large.glb',
-        mimeType: 'model/gltf-binary',
-        buffer: meshGlb(carpet(200)),
-      });
+    await page.locator('#file').setInputFiles({
+      name: 'large.glb',
+      mimeType: 'model/gltf-binary',
+      buffer: meshGlb(carpet(200)),
+    });
     await page.waitForFunction(() =>
       /large\.glb: its shadows need more memory/.test(
         document.querySelector('#message').textContent,

@@ -11,8 +11,10 @@ import { launch, open, serve } from './page.mjs';
 
 const moves = Number(process.env.SHADOWCUT_MOVES ?? 1000),
   runs = Number(process.env.SHADOWCUT_RUNS ?? 1);
-const say = (numbers) =>
-  `median ${percentile(numbers, 0.5).toFixed(3)} ms, 99 % under ${percentile(numbers, 0.99).toFixed(3)} ms, most ${percentile(numbers, 1).toFixed(3)} ms`;
+const say = (numbers) => {
+  const [median, p99, most] = [0.5, 0.99, 1].map((share) => percentile(numbers, share).toFixed(3));
+  return `median ${median} ms, 99 % under ${p99} ms, most ${most} ms`;
+};
 
 // Along the path once; what each update did.
 const along = (page, moves, drawn) =>
@@ -55,19 +57,16 @@ test(`${moves} moves of a desk`, async (t) => {
 
     t.diagnostic(drawn ? 'a move a frame' : 'one after the other');
     const report = (what, time) => {
-      if (runs > 1)
-        t.diagnostic(
-          `  ${what}, the best of ${runs} runs: ${say(all[0].map((_, k) => Math.min(...all.map((updates) => time(updates[k])))))}`,
-        );
-      else t.diagnostic(`  ${what}: ${say(all[0].map(time))}`);
+      const best = all[0].map((_, k) => Math.min(...all.map((updates) => time(updates[k]))));
+      const name = runs > 1 ? `${what}, the best of ${runs} runs` : what;
+      t.diagnostic(`  ${name}: ${say(best)}`);
     };
     report('update and upload', ({ ms, uploadMs }) => ms + uploadMs);
     report('engine', ({ engineMs }) => engineMs);
     report('buffers', ({ ms, engineMs }) => ms - engineMs);
     report('upload', ({ uploadMs }) => uploadMs);
-    t.diagnostic(
-      `  ${(all[0].reduce((sum, u) => sum + u.uploadedBytes, 0) / moves / 1024).toFixed(1)} kB a move`,
-    );
+    const bytes = all[0].reduce((sum, u) => sum + u.uploadedBytes, 0);
+    t.diagnostic(`  ${(bytes / moves / 1024).toFixed(1)} kB a move`);
   }
   assert.deepEqual(complaints, []);
   await browser.close();
