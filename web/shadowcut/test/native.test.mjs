@@ -1,5 +1,5 @@
-// The scenes and edits of tests/support/web_reference.cpp, which wrote the native engine's result for
-// them): the same fragments, the same areas, to the last bit.
+// The scenes and edits for which tests/support/web_reference.cpp wrote the native engine's results:
+// the module gives the same fragments and the same areas, to the last bit.
 //
 //   SHADOWCUT_REFERENCE=reference.json node --test native.test.mjs
 import assert from 'node:assert/strict';
