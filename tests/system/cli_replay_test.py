@@ -407,6 +407,17 @@ class Replay(Cli):
         self.refused(
             "replay", self.path("none.obj"), script, "--light", self.LIGHT, says=["none.obj"]
         )
+        self.refused(
+            "replay",
+            self.scene,
+            script,
+            "--light",
+            self.LIGHT,
+            "--verify",
+            "--min-feature",
+            "0.1",
+            says=["--verify", "--min-feature"],
+        )
         self.refused("replay", self.scene, script, says=["light"])
         self.refused("replay", self.scene, "--light", self.LIGHT)
         nowhere = os.path.join(self.folder, "no", "such")
