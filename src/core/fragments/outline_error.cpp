@@ -16,6 +16,7 @@ double OutlineError::most_area(FacetId facet) const {
     const bool meets = front != 0 && exact_.ahead(plane, x) > 0;
     points.push_back(meets ? exact_.point(plane, {&x, false, nullptr, nullptr, false, false}) : x);
   }
+  SHADOWCUT_ASSERT(points.size() >= 3);
   AreaSum sum(points[0]);
   double perimeter = 0, extent = 0;
   for (std::size_t k = 0; k < points.size(); ++k) {

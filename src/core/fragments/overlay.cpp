@@ -73,6 +73,7 @@ class LightQuery {
   CellPredicates predicates() const { return {light_.context.tables, lines_, nullptr}; }
   LineId add_line(const Line& line) {
     lines_.push_back({line, 0, {}});
+    SHADOWCUT_ASSERT(!lines_.empty());
     return LineId(first_local_line + lines_.size() - 1);
   }
 
@@ -141,6 +142,7 @@ class LightQuery {
     if (answers.size() != cut.first_answer + 2 ||
         answers[cut.first_answer].lit != answers[cut.first_answer + 1].lit)
       return w_.pool.give_back(cut.whole);
+    SHADOWCUT_ASSERT(answers.back().cone->facet == cut.whole->facet);
     const bool lit = answers.back().lit;
     w_.pool.give_back(answers[cut.first_answer].cone);
     w_.pool.give_back(answers[cut.first_answer + 1].cone);

@@ -46,6 +46,7 @@ namespace {
 double place_exactly(const EmissionContext& context, const CellPredicates& predicates,
                      FacetId facet, std::span<const ConeCorner> cone, PointCache& points,
                      Vec3* out) {
+  SHADOWCUT_ASSERT(cone.size() >= 2 && context.tables.is_exact());
   const auto count = static_cast<std::uint32_t>(cone.size());
   const bool reversed = context.space.handedness() < 0;
   const auto own = context.scene.corners_of(context.tables.facet(facet));

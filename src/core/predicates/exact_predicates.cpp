@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "numbers/exact_numbers.hpp"
+#include "support/assert.hpp"
 
 namespace shadowcut {
 
@@ -168,6 +169,7 @@ ExactPredicates::ExactPredicates(const Light& light, const LightSpace& space)
 void ExactPredicates::note(const Vec3& v, double unit) {
   for (int i = 0; i < 3; ++i) {
     if (v[i] == 0) continue;
+    SHADOWCUT_ASSERT(std::isfinite(v[i]) && unit > 0);
     const double size = std::abs(v[i] * unit);
     smallest_ = std::min(smallest_, size), largest_ = std::max(largest_, size);
   }
@@ -196,6 +198,7 @@ int ExactPredicates::sign_of(bool crossing, const Question& question) const {
 }
 
 int ExactPredicates::side(const LightLine& line, const ExactCorner& corner) const {
+  SHADOWCUT_ASSERT(corner.vertex || (corner.in && corner.out));
   if (corner.vertex) {
     const int sign =
         sign_of(line.crossing, [&](const auto& s) { return s.value(line, *corner.vertex); });

@@ -15,6 +15,8 @@
 #include <limits>
 #include <map>
 
+#include "support/assert.hpp"
+
 namespace shadowcut {
 namespace {
 
@@ -88,6 +90,7 @@ bool bridge(std::span<const Vec2> p, Loop& outer, const Loop& hole, const std::v
     double distance;
     std::size_t i, j;
   };
+  SHADOWCUT_ASSERT(outer.size() >= 3 && hole.size() >= 3);
   std::vector<Candidate> candidates;
   // From the hole's leftmost corner alone a bridge always exists; every other corner would only
   // make it shorter.
@@ -145,6 +148,7 @@ bool is_spike(std::span<const Vec2> p, const Loop& loop, std::size_t i) {
 }
 
 bool clip_ears(std::span<const Vec2> p, Loop loop, std::vector<Loop>& triangles) {
+  SHADOWCUT_ASSERT(loop.size() >= 3);
   std::size_t i = 0;
   while (loop.size() > 3) {
     const std::size_t n = loop.size();
@@ -222,6 +226,7 @@ void merge_parts(std::span<const Vec2> p, std::vector<Loop>& parts) {
     std::rotate(m.begin(), std::find(m.begin(), m.end(), a), m.end());  // a ... b
     Loop joined(l.begin(), l.end());
     joined.insert(joined.end(), m.begin() + 1, m.end() - 1);
+    SHADOWCUT_ASSERT(joined.size() >= 3);
     if (!is_convex(p, joined)) continue;
     owner.erase({a, b});
     owner.erase({b, a});
@@ -265,6 +270,7 @@ bool is_convex(std::span<const Vec2> p, std::span<const std::uint32_t> loop) {
 
 ConvexResult convex_parts(std::span<const Vec2> p, std::vector<Loop> loops, bool merge,
                           std::vector<Loop>& parts) {
+  SHADOWCUT_ASSERT(!loops.empty() && loops.front().size() >= 3);
   if (crosses_itself(p, loops)) return ConvexResult::self_intersecting;
   Loop outer = std::move(loops.front());
   if (doubled_area(p, outer) <= 0) return ConvexResult::self_intersecting;

@@ -45,6 +45,7 @@ double unit_for(double length) {
 Measure measure(const Figure& figure, const Patch& patch, double unit) {
   Measure out;
   Vec3 sum = Vec3::Zero();
+  SHADOWCUT_ASSERT(patch.first_facet < patch.end_facet && patch.end_facet <= figure.facets.size());
   for (std::uint32_t k = patch.first_facet; k < patch.end_facet; ++k) {
     const Facet& f = figure.facets[k];
     const Vec3& origin = figure.at(f, 0);
@@ -97,6 +98,7 @@ class Grouping {
     });
     build(0, static_cast<std::uint32_t>(items_.size()), invalid_index);
     for (const std::uint32_t leader : order) {
+      SHADOWCUT_ASSERT(measures_[leader].area > 0);
       if (leaf_of_[leader] == invalid_index) continue;
       settle(leader);
       take(leader, out);

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "support/assert.hpp"
+
 namespace shadowcut {
 
 // Facets, and where their corners are.
@@ -16,6 +18,7 @@ struct Figure {
   std::uint32_t first_vertex = 0;
 
   const Vec3& at(const Facet& f, std::uint32_t i) const {
+    SHADOWCUT_ASSERT(f.first_corner + f.corner_count <= corners.size());
     return positions[corners[f.first_corner + i % f.corner_count].vertex - first_vertex];
   }
 };

@@ -57,6 +57,7 @@ class MeshImporter : private ImportedMesh {
     }
     decide_sides();
     share_planes();
+    SHADOWCUT_ASSERT(planes.size() == origins.size() && faces.size() == outline_face_.size());
     return std::move(static_cast<ImportedMesh&>(*this));
   }
 
@@ -119,6 +120,7 @@ class MeshImporter : private ImportedMesh {
 
   // Cuts the figure in loops_ into facets of `face`.
   void cut(std::uint32_t f, Face& face) {
+    SHADOWCUT_ASSERT(face.facet_count == 0 && !loops_.empty());
     const Fit whole = fit(loops_);
     if (!std::isfinite(whole.diameter) || !std::isfinite(whole.area))
       return report(f, Reason::non_finite, "its extent is not representable");
@@ -173,6 +175,7 @@ class MeshImporter : private ImportedMesh {
   }
 
   std::uint32_t edge_id(std::uint32_t from, std::uint32_t to) {
+    SHADOWCUT_ASSERT(from < vertices.size() && to < vertices.size());
     const Edge e{std::min(from, to), std::max(from, to)};
     const auto [found, fresh] = edge_ids_.try_emplace(std::uint64_t{e.a} << 32 | e.b,
                                                       static_cast<std::uint32_t>(edges.size()));

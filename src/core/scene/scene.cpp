@@ -8,6 +8,7 @@
 #include <atomic>
 
 #include "scene/scene_storage.hpp"
+#include "support/assert.hpp"
 
 namespace shadowcut {
 
@@ -75,6 +76,7 @@ Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
 
 void Scene::touch(std::uint32_t index) {
+  SHADOWCUT_ASSERT(index < slots_.size() && slots_.size() == objects_.size());
   slots_[index].revision = ++revision_;
   make_newest(index);
 }
@@ -85,6 +87,7 @@ void Scene::make_newest(std::uint32_t index) {
   if (newest_ == index) return;
   if (slot.older != invalid_index) slots_[slot.older].newer = slot.newer;
   if (slot.newer != invalid_index) slots_[slot.newer].older = slot.older;
+  SHADOWCUT_ASSERT(newest_ == invalid_index || slots_[newest_].newer == invalid_index);
   slot.older = newest_;
   slot.newer = invalid_index;
   if (newest_ != invalid_index) slots_[newest_].newer = index;
@@ -125,6 +128,7 @@ void Scene::import_object(std::uint32_t index, std::shared_ptr<const Source> sou
   }
   if (slot.allocation == invalid_index) allocate(index, counts);
   const ArrayRanges& ranges = allocations_[slot.allocation].ranges;
+  SHADOWCUT_ASSERT(ranges.has_room_for(counts) && allocations_[slot.allocation].owner == index);
   place(in, ranges, index, arrays_);
 
   Object& o = objects_[index];

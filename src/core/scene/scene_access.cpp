@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "scene/scene_storage.hpp"
+#include "support/assert.hpp"
 
 namespace shadowcut {
 
@@ -69,6 +70,7 @@ void Scene::release_copy(std::uint32_t index) {
 
 // Copies an object into the allocation that it owns in the other scene, which is free here.
 void Scene::take_copy(const Scene& from, std::uint32_t index) {
+  SHADOWCUT_ASSERT(index < from.slots_.size() && index < slots_.size());
   const Slot& source = from.slots_[index];
   if (objects_[index].alive != from.objects_[index].alive) {
     if (from.objects_[index].alive) std::erase(free_objects_, index);
@@ -84,6 +86,7 @@ void Scene::take_copy(const Scene& from, std::uint32_t index) {
   make_newest(index);
   if (slot.allocation == invalid_index) return;
   Allocation& allocation = allocations_[slot.allocation];
+  SHADOWCUT_ASSERT(allocation.owner == invalid_index);
   allocation.owner = index;
   const auto [first, last] = free_allocations_.equal_range(allocation.ranges.count[corner_array]);
   free_allocations_.erase(
