@@ -90,9 +90,9 @@ class Clipping {
 
   ClipperLib::IntPoint projected(const Vec3& x, const HalfSpace& plane) const {
     const Light& light = lighting_.light();
-    const Vec3 travel =
+    const Vec3 direction =
         light.kind == Light::Kind::point ? Vec3(x - light.position) : light.direction;
-    const Vec3 on_plane = x - travel * (plane.above(x) / plane.normal.dot(travel)) - origin_;
+    const Vec3 on_plane = x - direction * (plane.above(x) / plane.normal.dot(direction)) - origin_;
     return {std::llround(u_.dot(on_plane) / unit_), std::llround(v_.dot(on_plane) / unit_)};
   }
 

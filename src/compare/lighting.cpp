@@ -54,13 +54,13 @@ Lighting::Role Lighting::role_of(std::uint32_t i, bool light_inside,
           object.casts_shadows && (!lightless || light_inside)};
 }
 
-Vec3 Lighting::travel(const Vec3& x) const {
+Vec3 Lighting::direction_at(const Vec3& x) const {
   return light_.kind == Light::Kind::point ? Vec3(x - light_.position)
                                            : light_.direction.stableNormalized().eval();
 }
 
 double Lighting::in_front_of(const HalfSpace& plane) const {
-  return -plane.normal.dot(travel(plane.point));
+  return -plane.normal.dot(direction_at(plane.point));
 }
 
 // The plane through the light and the line in which the polygon's plane F meets another one, P: a
@@ -73,10 +73,11 @@ Vec3 Lighting::normal_of_edge(const Polygon& polygon, std::size_t i) const {
     const auto corners = scene_.corners_of(facet);
     const Vec3 &a = scene_.vertices()[corners[carrier.index].vertex],
                &b = scene_.vertices()[corners[(carrier.index + 1) % corners.size()].vertex];
-    return (b - a).cross(travel(a));
+    return (b - a).cross(direction_at(a));
   }
   const Plane &own = scene_.planes()[facet.plane], &other = scene_.planes()[carrier.index];
-  const double f = own.normal.dot(travel(own.point)), p = other.normal.dot(travel(other.point));
+  const double f = own.normal.dot(direction_at(own.point)),
+               p = other.normal.dot(direction_at(other.point));
   return f * other.normal - p * own.normal;
 }
 

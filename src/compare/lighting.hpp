@@ -47,7 +47,7 @@ class Lighting {
   };
   Role role_of(std::uint32_t facet, bool light_inside, const LightSpace& space) const;
   Vec3 normal_of_edge(const Polygon& polygon, std::size_t i) const;
-  Vec3 travel(const Vec3& x) const;  // the way light goes at x
+  Vec3 direction_at(const Vec3& x) const;  // of the rays at x
 
   const Scene& scene_;
   const Light& light_;

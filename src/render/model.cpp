@@ -42,7 +42,7 @@ out vec4 pixel;
 void main() { pixel = vec4(paint.rgb * share, 1.0); }
 )";
 
-// A light is (at, 1) or (its direction of travel, 0). axis.w: the cosine of the cone's half angle,
+// A light is (at, 1) or (its direction, 0). axis.w: the cosine of the cone's half angle,
 // or -2 for none.
 const char* const lit_main = R"(
 in vec3 x;

@@ -35,11 +35,11 @@ float reached(vec3 x, vec3 n) {
 const char* const flat_lookup = R"(
 uniform sampler2DShadow map;
 uniform mat4 map_clip;
-uniform vec3 travel;
+uniform vec3 direction;
 uniform float texel;
 uniform float off_face;
 float reached(vec3 x, vec3 n) {
-  vec4 p = map_clip * vec4(x - n * sign(dot(n, travel)) * (off_face * texel), 1.0);
+  vec4 p = map_clip * vec4(x - n * sign(dot(n, direction)) * (off_face * texel), 1.0);
   return texture(map, p.xyz * 0.5 + 0.5);
 }
 )";
@@ -83,7 +83,7 @@ class ShadowMap : public Technique {
       program.set("nearest", maps_[k].nearest);
     } else {
       program.set("map_clip", maps_[k].clip);
-      program.set("travel", light.direction.stableNormalized().cast<float>().eval());
+      program.set("direction", light.direction.stableNormalized().cast<float>().eval());
     }
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(point ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D, maps_[k].texture.get());

@@ -440,9 +440,9 @@ ExactScene grazing(Random& random) {
   const double angle = std::pow(10, -3 - 9 * random.unit());
   const Vec3 along = (2 * random.unit() - 1) * (b - a) + (2 * random.unit() - 1) * (c - a),
              across = (b - a).cross(c - a);
-  const Vec3 travel = along.stableNormalized() + angle * across.stableNormalized();
-  scene.light =
-      Light::directional(travel.allFinite() && !travel.isZero(0) ? travel : -Vec3::UnitZ());
+  const Vec3 direction = along.stableNormalized() + angle * across.stableNormalized();
+  scene.light = Light::directional(direction.allFinite() && !direction.isZero(0) ? direction
+                                                                                 : -Vec3::UnitZ());
   return scene;
 }
 
@@ -478,9 +478,9 @@ ExactObject grid_object(Random& random) {
 Light grid_light(Random& random) {
   if (random.below(3) == 0) {
     if (random.below(4) == 0) return Light::directional(any_direction(random));
-    Vec3 travel = grid_point(random) - grid_point(random);
-    if (travel.isZero(0)) travel = -Vec3::UnitZ();
-    return Light::directional(travel);
+    Vec3 direction = grid_point(random) - grid_point(random);
+    if (direction.isZero(0)) direction = -Vec3::UnitZ();
+    return Light::directional(direction);
   }
   switch (random.below(5)) {
     case 0:

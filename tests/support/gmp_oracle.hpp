@@ -5,7 +5,7 @@
 // The definition, on the doubles of Scene::vertices(), Plane::exact_normal, Plane::point and
 // Light::at:
 //   1. A facet's plane is { x : exact_normal . (x - point) = 0 }. Its front faces a point light iff
-//      exact_normal . (light - point) > 0, a directional one iff exact_normal . travel < 0.
+//      exact_normal . (light - point) > 0, a directional one iff exact_normal . direction < 0.
 //   2. A facet is edge-on, and takes no part, if that number is 0; if some corner x of the facet
 //      has another sign of exact_normal . (x - light) than point has, or zero (point lights); or if
 //      its corners, seen from the light, are in one line.

@@ -239,9 +239,9 @@ Light random_light(Kind kind, Random& random) {
     case Kind::grid_boxes:
     case Kind::tiles: {
       if (sun) {
-        Vec3 travel = grid_point(random, -2, 2);
-        if (travel.isZero()) travel = -Vec3::UnitZ();
-        return Light::directional(travel);
+        Vec3 direction = grid_point(random, -2, 2);
+        if (direction.isZero()) direction = -Vec3::UnitZ();
+        return Light::directional(direction);
       }
       // Half the lights stand among the faces, and often in their planes.
       const Vec3 at = random.below(2) == 0 ? grid_point(random, 0, 4) : grid_point(random, -2, 9);

@@ -236,10 +236,10 @@ TEST(Invariance, FarPointLightIsTheSun) {
       const SceneData data = random_scene(kind, 800 + seed);
       SCOPED_TRACE(data.name);
       const Scene scene = scenes::build(data);
-      const Vec3 travel(0.31, -0.23, -1);
-      const Shadows sun = cast_shadows(scene, Light::directional(travel));
+      const Vec3 direction(0.31, -0.23, -1);
+      const Shadows sun = cast_shadows(scene, Light::directional(direction));
       for (const double distance : {1e3, 1e6}) {
-        const Shadows point = cast_shadows(scene, Light::point(-distance * travel));
+        const Shadows point = cast_shadows(scene, Light::point(-distance * direction));
         EXPECT_EQ(check_same_areas(scene, sun, point, 200 / distance), "") << "at " << distance;
       }
     }

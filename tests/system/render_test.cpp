@@ -21,8 +21,8 @@ struct Shot {
   bool in_shadow = false;  // the camera is within a shadow volume
 };
 
-SceneData with_sun(SceneData data, const Vec3& travel) {
-  data.light = Light::directional(travel);
+SceneData with_sun(SceneData data, const Vec3& direction) {
+  data.light = Light::directional(direction);
   return data;
 }
 

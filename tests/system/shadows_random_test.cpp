@@ -116,8 +116,8 @@ TEST(GeneratedScenes, Tetrahedra) {
 
 TEST(GeneratedScenes, CityUnderTheSunAlongItsStreets) {
   const SceneData data = scenes::city(6);
-  for (const Vec3& travel : {Vec3(1, 0, -1), Vec3(0, -1, -0.5), Vec3(0, 0, -1), Vec3(1, 1, -1)})
-    expect_right(scenes::build(data), Light::directional(travel));
+  for (const Vec3& direction : {Vec3(1, 0, -1), Vec3(0, -1, -0.5), Vec3(0, 0, -1), Vec3(1, 1, -1)})
+    expect_right(scenes::build(data), Light::directional(direction));
 }
 
 TEST(GeneratedScenes, TrianglesAndBranch) {

@@ -38,7 +38,7 @@ struct ExactPredicates::Space {
   V direction(const Vec3& d) const {
     return {N(d[light.axis_[0]]), N(d[light.axis_[1]]), N(d[light.axis_[2]])};
   }
-  V travel() const { return direction(light.light_); }
+  V direction() const { return direction(light.light_); }
   int sign_z() const { return light.light_[light.axis_[2]] > 0 ? 1 : -1; }
   // Along the light's direction onto the plane z = 0; times d_z.
   static std::array<N, 2> sheared(const V& p, const V& d) {
@@ -47,7 +47,7 @@ struct ExactPredicates::Space {
 
   V ray(const Vec3& x) const {
     if (light.point_) return apart(x, light.light_);
-    const V d = travel();
+    const V d = direction();
     const auto [u, v] = sheared(position(x), d);
     return times(sign_z(), {u, v, d[2]});
   }
@@ -59,7 +59,7 @@ struct ExactPredicates::Space {
     return {m[0], m[1], N() - dot(m, position(point))};
   }
   N denominator(const Vec3& normal, const Vec3& point) const {
-    return dot(direction(normal), light.point_ ? apart(point, light.light_) : travel());
+    return dot(direction(normal), light.point_ ? apart(point, light.light_) : direction());
   }
   V difference(const Vec3& m, const Vec3& p, const Vec3& n, const Vec3& q) const {
     const V a = numerator(m, p), b = numerator(n, q);
@@ -76,14 +76,14 @@ struct ExactPredicates::Space {
   V line(const LightLine& l) const {
     if (l.crossing) return difference(l.v[0], l.v[1], l.v[2], l.v[3]);
     if (light.point_) return times(light.handed_, cross(ray(l.v[0]), ray(l.v[1])));
-    const V n = cross(apart(l.v[0], l.v[1]), travel());
+    const V n = cross(apart(l.v[0], l.v[1]), direction());
     return times(sign_z(), {n[0], n[1], N() - dot(n, position(l.v[0]))});
   }
   // The line's value at a vertex. For an edge it is a volume, measured from the end of the edge:
   // for points along one axis it is then an exact zero.
   N value(const LightLine& l, const Vec3& x) const {
     if (l.crossing) return dot(line(l), ray(x));
-    const N volume = dot(light.point_ ? apart(l.v[0], light.light_) : travel(),
+    const N volume = dot(light.point_ ? apart(l.v[0], light.light_) : direction(),
                          cross(apart(l.v[1], l.v[0]), apart(x, l.v[0])));
     return (light.point_ ? light.handed_ : sign_z()) > 0 ? volume : N() - volume;
   }
@@ -103,7 +103,7 @@ struct ExactPredicates::Space {
       for (std::size_t i = 0; i < 3; ++i) numerators[i] = at[i] * along + r[i] * k;
       return along;
     }
-    const V d = travel();
+    const V d = direction();
     const N slope = dot(m, d),
             rest = dot(m, position(plane.point)) * r[2] - m[0] * r[0] - m[1] * r[1];
     numerators = {r[0] * slope + d[0] * rest, r[1] * slope + d[1] * rest, d[2] * rest};
@@ -126,7 +126,7 @@ struct ExactPredicates::Space {
       const auto [u, v] = sheared(e, d);
       return times(d[2].sign(), {u, v, e[2] * scale});
     }
-    const V d = travel();
+    const V d = direction();
     const auto [u, v] = sheared(at(light.frame_.center), d);
     return times(sign_z(), {r[0] * d[2] - u * r[2], r[1] * d[2] - v * r[2], r[2] * d[2] * scale});
   }
