@@ -95,7 +95,7 @@ struct Options {
     /// The number of facets at which the k-d tree above the SVBSP trees stops dividing light space;
     /// 0: no k-d tree, one cell.
     std::uint32_t facets_per_cell = 128;
-    /// Engine only: keep the data that updates need. An engine without these data takes less memory,
+    /// Engine only: keep the data that updates need. An engine without it takes less memory,
     /// emits fewer fragments (by a factor of 1.1 to 2.6, see docs/decisions.md), and rebuilds on
     /// every edit.
     bool incremental = true;
@@ -121,7 +121,7 @@ struct Options {
 };
 
 /// Identifies a fragment of one light, until the fragment changes. `cell`: the index of its block
-/// in Shadows::blocks. `piece`: its piece in the tree of the cell, or, in the last block, its facet.
+/// in Shadows::blocks. `piece`: its piece in the tree of the cell; in the last block, its facet.
 /// `place`: where it is in front of the piece, or invalid_index.
 struct FragmentId {
   std::uint32_t cell, piece, place;
