@@ -185,9 +185,9 @@ GmpOracle::Quad GmpOracle::plane(const Vec3& normal, const Vec3& point) const {
 }
 
 // Point light: r = x - light, nearness 1 / distance in units of r, so u = n and w = n . (point -
-// light). Directional: with x, y, z along the axes and d the direction, r = (x d_z - z d_x, y d_z - z
-// d_y, 1). Put into n.x + D = 0 (times d_z): n_x r_0 + n_y r_1 + D d_z r_2 + z (n.d) = 0; nearness
-// is -z where the rays run along +z.
+// light). Directional: with x, y, z along the axes and d the direction,
+// r = (x d_z - z d_x, y d_z - z d_y, 1). Put into n.x + D = 0 (times d_z):
+// n_x r_0 + n_y r_1 + D d_z r_2 + z (n.d) = 0; nearness is -z where the rays run along +z.
 void GmpOracle::nearness(const Quad& plane, Triple& u, Int& w) const {
   const auto axis = [this](std::size_t i) { return static_cast<std::size_t>(axes_[i]); };
   if (point_light_) {
