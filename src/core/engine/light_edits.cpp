@@ -243,7 +243,7 @@ void LightState::rebuild_cell(CellId c) {
     const std::vector<FacetId> facets = order_.of_objects({&o, 1});
     order.insert(order.end(), facets.begin(), facets.end());
   }
-  SHADOWCUT_ASSERT(order.size() >= tree.pieces.entry_count());
+  SHADOWCUT_ASSERT(!order.empty() || tree.pieces.entry_count() == 0);
   grid_.rebuild(c, order, workspaces_.local());
   fragments_.restart(c);
   policy_.note_rebuilt(c, tree);
